@@ -1,0 +1,4 @@
+pub mod patches;
+pub mod progress;
+pub mod scene;
+pub mod trace;

@@ -1,0 +1,369 @@
+//! Patches: the scene's faces cut into pieces, and the index space of every vector and matrix.
+//!
+//! Each face is cut into *cells*; a cell's side is a *slot*: a patch that could be. Light reaches some slots and not others
+//! (the backs of a closed room's walls, say). The slots it reaches are the *patches*, the unknowns of the problem,
+//! numbered by face, then side, then cell. Everything that has one value a patch uses that order.
+
+mod aggregate;
+mod sides;
+mod subdivide;
+
+use glam::DVec3;
+use nalgebra::DMatrix;
+
+use crate::progress::{Cancelled, Progress};
+use crate::scene::{FaceState, Scene, Side};
+use crate::trace::{Frame, Ray, Tracer, sampling};
+pub use aggregate::FaceRow;
+pub use sides::Reach;
+use subdivide::Cuts;
+pub use subdivide::Barycentrics;
+
+/// How finely to cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PatchSize {
+    /// About so many patches in all; faces are never merged, so a mesh of many faces has at least as many patches.
+    Count(usize),
+    /// No leg of a patch longer than this, metres.
+    Edge(f64),
+}
+
+/// How to cut a scene into patches.
+#[derive(Clone, Copy, Debug)]
+pub struct Tessellation<'a> {
+    /// How finely.
+    pub size: PatchSize,
+    /// Which sides become patches.
+    pub reach: Reach,
+    /// Number of the random sequence that looks for sides that light reaches.
+    pub seed: u64,
+    /// Where to report progress, as stage `patch`.
+    pub progress: Progress<'a>,
+}
+
+impl Default for Tessellation<'_> {
+    /// 4000 patches where light reaches.
+    fn default() -> Self {
+        Self { size: PatchSize::Count(4000), reach: Reach::Light, seed: 0, progress: Progress::default() }
+    }
+}
+
+/// Why a scene could not be cut.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PatchError {
+    /// The wanted size makes no sense.
+    #[error("the patch size must be positive: {0}")]
+    Size(String),
+    /// More patches than there are numbers for.
+    #[error("{slots} patches are more than fit (2³¹); use a longer --edge or a smaller --patches")]
+    TooMany {
+        /// How many it would be, both sides counted.
+        slots: u64,
+    },
+    /// The observer asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// The scene in pieces: what every index of a vector or matrix means.
+#[derive(Clone, Debug)]
+pub struct Patches<'s> {
+    scene: &'s Scene,
+    frame: Frame,
+    cuts: Cuts,
+    /// Per face, and one more: its first slot. Front cells come first, then as many back cells.
+    first_slot: Vec<u32>,
+    /// Per slot: its patch, or [`NONE`].
+    patch_of_slot: Vec<u32>,
+    /// Per patch: its slot, ascending.
+    slot_of_patch: Vec<u32>,
+    /// Per patch, normalised frame.
+    areas: Vec<f64>,
+    edge: f64,
+}
+
+/// The patch of a slot that is none.
+const NONE: u32 = u32::MAX;
+
+/// The place of a slot: face, side and cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slot {
+    /// The face's number.
+    pub face: usize,
+    /// Front or back.
+    pub side: Side,
+    /// The cell's number within the face.
+    pub cell: u32,
+}
+
+impl<'s> Patches<'s> {
+    /// Cuts the scene and finds the sides that light reaches.
+    ///
+    /// # Errors
+    /// `Size`, `TooMany` or `Cancelled`.
+    pub fn new(tracer: &Tracer<'s>, options: &Tessellation) -> Result<Self, PatchError> {
+        options.progress.at("patch", 0.0)?;
+        match options.size {
+            PatchSize::Edge(metres) if metres.is_finite() && metres > 0.0 => {
+                let mut patches = Self::cut(tracer, metres / tracer.frame().scale())?;
+                patches.reach(tracer, options)?;
+                Ok(patches)
+            }
+            PatchSize::Count(count) if count > 0 => Self::with_count(tracer, count, options),
+            size => Err(PatchError::Size(format!("{size:?}"))),
+        }
+    }
+
+    /// Cuts so that about `count` slots are reached: once coarsely, to see which sides are, then as fine as that says.
+    fn with_count(tracer: &Tracer<'s>, count: usize, options: &Tessellation) -> Result<Self, PatchError> {
+        const COARSE: usize = 1000;
+        let everything = |_: usize| [1.0; 2];
+        let mut patches = Self::cut(tracer, edge_for(tracer, count.min(COARSE), everything))?;
+        patches.reach(tracer, options)?;
+        for _ in 0..2 {
+            if (patches.len() as f64 / count as f64 - 1.0).abs() < 0.1 {
+                break;
+            }
+            let shares: Vec<[f64; 2]> = (0..tracer.scene().faces().len()).map(|f| patches.reached_share(f)).collect();
+            let edge = edge_for(tracer, count, |face| shares[face]);
+            if edge == patches.edge {
+                break;
+            }
+            patches = Self::cut(tracer, edge)?;
+            patches.reach(tracer, options)?;
+        }
+        Ok(patches)
+    }
+
+    /// Cuts every face for legs up to `edge` (normalised); no slot is a patch yet.
+    fn cut(tracer: &Tracer<'s>, edge: f64) -> Result<Self, PatchError> {
+        let scene = tracer.scene();
+        let kept = |f: usize| scene.faces()[f].state == FaceState::Kept;
+        let faces = scene.faces().len();
+        let cells = (0..faces).filter(|&f| kept(f)).map(|f| subdivide::cells_for(tracer.corners(f), edge));
+        let slots = 2 * cells.sum::<u64>();
+        if slots > 1 << 31 {
+            return Err(PatchError::TooMany { slots });
+        }
+        let cuts = Cuts::new((0..faces).map(|f| kept(f).then(|| tracer.corners(f))), edge);
+        let mut first_slot = vec![0];
+        for face in 0..faces {
+            first_slot.push(first_slot[face] + 2 * cuts.cells(face));
+        }
+        Ok(Self {
+            scene,
+            frame: *tracer.frame(),
+            cuts,
+            patch_of_slot: vec![NONE; slots as usize],
+            first_slot,
+            slot_of_patch: Vec::new(),
+            areas: Vec::new(),
+            edge,
+        })
+    }
+
+    /// Makes the given slots patches too, and numbers all patches anew.
+    pub(crate) fn activate(&mut self, slots: &[u32]) {
+        for &slot in slots {
+            self.patch_of_slot[slot as usize] = 0;
+        }
+        self.slot_of_patch =
+            (0..self.patch_of_slot.len() as u32).filter(|&s| self.patch_of_slot[s as usize] != NONE).collect();
+        for (patch, &slot) in self.slot_of_patch.iter().enumerate() {
+            self.patch_of_slot[slot as usize] = patch as u32;
+        }
+        self.areas = self
+            .slot_of_patch
+            .iter()
+            .map(|&slot| {
+                let Slot { face, cell, .. } = self.slot(slot);
+                let [a, b, c] = self.cuts.corners(face, cell);
+                // A cell's share of its face is the area of its barycentric triangle.
+                let share = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
+                share * self.face_area(face)
+            })
+            .collect();
+    }
+
+    /// Number of patches n.
+    pub fn len(&self) -> usize {
+        self.slot_of_patch.len()
+    }
+
+    /// Whether light reaches nothing at all.
+    pub fn is_empty(&self) -> bool {
+        self.slot_of_patch.is_empty()
+    }
+
+    /// The scene that was cut.
+    pub fn scene(&self) -> &'s Scene {
+        self.scene
+    }
+
+    /// The longest leg a patch may have, metres.
+    pub fn edge(&self) -> f64 {
+        self.edge * self.frame.scale()
+    }
+
+    /// The patch in which a point of a face's side lies; none where light does not reach.
+    #[inline]
+    pub fn patch_at(&self, face: usize, side: Side, point: Barycentrics) -> Option<usize> {
+        let patch = self.patch_of_slot[self.slot_at(face, side, point) as usize];
+        (patch != NONE).then_some(patch as usize)
+    }
+
+    /// The slot in which a point of a face's side lies.
+    #[inline]
+    pub(crate) fn slot_at(&self, face: usize, side: Side, point: Barycentrics) -> u32 {
+        self.first_slot_of(face, side) + self.cuts.cell_at(face, point)
+    }
+
+    /// The patches of a face's side; they follow one another.
+    pub fn patches_of(&self, face: usize, side: Side) -> std::ops::Range<usize> {
+        let first = self.first_slot_of(face, side);
+        let place = |slot: u32| self.slot_of_patch.partition_point(|&s| s < slot);
+        place(first)..place(first + self.cuts.cells(face))
+    }
+
+    fn first_slot_of(&self, face: usize, side: Side) -> u32 {
+        let (first, end) = (self.first_slot[face], self.first_slot[face + 1]);
+        first + if side == Side::Back { (end - first) / 2 } else { 0 }
+    }
+
+    /// Face, side and cell of a patch.
+    pub fn place(&self, patch: usize) -> Slot {
+        self.slot(self.slot_of_patch[patch])
+    }
+
+    pub(crate) fn slot_of_patch(&self, patch: usize) -> u32 {
+        self.slot_of_patch[patch]
+    }
+
+    pub(crate) fn patch_of_slot(&self, slot: u32) -> Option<u32> {
+        let patch = self.patch_of_slot[slot as usize];
+        (patch != NONE).then_some(patch)
+    }
+
+    pub(crate) fn slots(&self) -> usize {
+        self.patch_of_slot.len()
+    }
+
+    pub(crate) fn slot(&self, slot: u32) -> Slot {
+        let face = self.first_slot.partition_point(|&first| first <= slot) - 1;
+        let cells = self.cuts.cells(face);
+        let cell = slot - self.first_slot[face];
+        if cell < cells {
+            Slot { face, side: Side::Front, cell }
+        } else {
+            Slot { face, side: Side::Back, cell: cell - cells }
+        }
+    }
+
+    /// Whether a slot sends out light once light reaches it: it reflects, or is the front of a lamp.
+    pub(crate) fn is_bright(&self, slot: u32) -> bool {
+        let Slot { face, side, .. } = self.slot(slot);
+        let material = self.scene.material_of(face);
+        material.reflects() || (side == Side::Front && material.emits())
+    }
+
+    /// Patch areas A in the normalised frame, n values; multiply by [`Frame::scale`] squared for m².
+    pub fn areas(&self) -> &[f64] {
+        &self.areas
+    }
+
+    /// Area of a patch, m².
+    pub fn area(&self, patch: usize) -> f64 {
+        self.areas[patch] * self.frame.scale().powi(2)
+    }
+
+    /// Area of a face, normalised frame.
+    fn face_area(&self, face: usize) -> f64 {
+        let [a, b, c] = self.scene.corners(face).map(|p| self.frame.from_world(p));
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// Corners of a patch as points of its face, counter-clockwise seen from the front.
+    pub fn corners(&self, patch: usize) -> [Barycentrics; 3] {
+        let Slot { face, cell, .. } = self.place(patch);
+        self.cuts.corners(face, cell)
+    }
+
+    /// The point of a face with these barycentrics, metres.
+    pub fn point(&self, face: usize, [u, v]: Barycentrics) -> DVec3 {
+        let [a, b, c] = self.scene.corners(face);
+        a + (b - a) * u + (c - a) * v
+    }
+
+    /// Centre of a patch, metres.
+    pub fn centre(&self, patch: usize) -> DVec3 {
+        let [a, b, c] = self.corners(patch);
+        self.point(self.place(patch).face, [0, 1].map(|k| (a[k] + b[k] + c[k]) / 3.0))
+    }
+
+    /// Reflectance ρ, n × c.
+    pub fn reflectances(&self) -> DMatrix<f64> {
+        let scene = self.scene;
+        let of_face: Vec<usize> = (0..self.len()).map(|i| self.place(i).face).collect();
+        DMatrix::from_fn(self.len(), scene.channels(), |i, c| scene.material_of(of_face[i]).reflectance[c])
+    }
+
+    /// Emitted radiance Lₑ, n × c, W·sr⁻¹·m⁻².
+    pub fn sources(&self) -> DMatrix<f64> {
+        let scene = self.scene;
+        let places: Vec<Slot> = (0..self.len()).map(|i| self.place(i)).collect();
+        DMatrix::from_fn(self.len(), scene.channels(), |i, c| match places[i].side {
+            Side::Front => scene.material_of(places[i].face).emission[c],
+            Side::Back => 0.0,
+        })
+    }
+
+    /// The rays that leave a slot, cosine-distributed, each on the face and strictly inside the cell: rays `range` of the
+    /// given random sequence.
+    pub(crate) fn rays_from<'t>(
+        &self,
+        tracer: &'t Tracer,
+        slot: u32,
+        sequence: sampling::Sequence,
+        range: std::ops::Range<u32>,
+    ) -> impl Iterator<Item = Ray> + use<'t> {
+        let Slot { face, side, cell } = self.slot(slot);
+        let [a, b, c] = self.cuts.corners(face, cell);
+        let [p, q, r] = *tracer.corners(face);
+        let frame = sampling::frame_around(tracer.normal(face, side));
+        let at = |[u, v]: Barycentrics| p + (q - p) * u + (r - p) * v;
+        let (origin, first, second) = (at(a), at(b) - at(a), at(c) - at(a));
+        range.map(move |k| {
+            let [s, t, x, y] = sequence.point(k);
+            let [u, v] = sampling::uniform_triangle([s, t]);
+            Ray {
+                origin: origin + first * u + second * v,
+                direction: frame * sampling::cosine_hemisphere([x, y]),
+                from: face as u32,
+            }
+        })
+    }
+}
+
+/// The edge (normalised) at which about `count` slots are reached, where `share` tells which part of each face's sides is.
+fn edge_for(tracer: &Tracer, count: usize, share: impl Fn(usize) -> [f64; 2]) -> f64 {
+    let faces: Vec<(usize, f64)> = (0..tracer.scene().faces().len())
+        .filter(|&f| tracer.scene().faces()[f].state == FaceState::Kept)
+        .map(|f| (f, share(f).iter().sum::<f64>()))
+        .filter(|&(_, share)| share > 0.0)
+        .collect();
+    let reached = |edge: f64| -> f64 {
+        faces.iter().map(|&(f, share)| share * subdivide::cells_for(tracer.corners(f), edge) as f64).sum()
+    };
+    // Bisect on a logarithmic scale; the count falls in steps as the edge grows.
+    let (mut fine, mut coarse) = (1e-6, 4.0);
+    if reached(coarse) >= count as f64 {
+        return coarse;
+    }
+    while coarse / fine > 1.001 {
+        let edge = (fine * coarse as f64).sqrt();
+        if reached(edge) > count as f64 { fine = edge } else { coarse = edge }
+    }
+    let off = |edge: f64| (reached(edge) / count as f64).ln().abs();
+    if off(fine) < off(coarse) { fine } else { coarse }
+}

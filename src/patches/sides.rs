@@ -1,0 +1,105 @@
+//! Sides: which slots light can reach, and so become patches.
+//!
+//! Reached is a flag per slot. Lamps are reached; from every reached slot that reflects or emits, light goes on to what its rays meet
+//! and to what sees it, until nothing new turns up. What no light reaches costs nothing and stays exactly zero.
+
+use rayon::prelude::*;
+
+use super::{Patches, Tessellation};
+use crate::progress::Cancelled;
+use crate::scene::Side;
+use crate::trace::{Tracer, sampling::Sequence};
+
+/// Which sides become patches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reach {
+    /// Those that light from the scene's lamps reaches.
+    Light,
+    /// Those that see anything, lit or not: for form factors.
+    Everything,
+}
+
+/// Rays by which a slot looks around.
+const PROBES: u32 = 16;
+
+/// The stream of random sequences for looking around; apart from all others.
+const STREAM: u64 = 1 << 40;
+
+impl Patches<'_> {
+    /// Finds the reached slots and makes them patches.
+    pub(super) fn reach(&mut self, tracer: &Tracer, options: &Tessellation) -> Result<(), Cancelled> {
+        let slots = self.slots();
+        let mut seen_by: Vec<Option<Vec<u32>>> = vec![None; slots];
+        let mut reached = vec![false; slots];
+        let mut wave: Vec<u32> = match options.reach {
+            Reach::Light => (0..slots as u32).filter(|&s| self.emits(s)).collect(),
+            Reach::Everything => Vec::new(),
+        };
+        wave.iter().for_each(|&s| reached[s as usize] = true);
+        loop {
+            // Let the newest slots send light on.
+            while !wave.is_empty() {
+                options.progress.at("patch", 0.3)?;
+                let looks = self.look(tracer, &wave, options.seed);
+                let mut next = Vec::new();
+                for (slot, landings) in wave.iter().zip(looks) {
+                    let bright = self.is_bright(*slot);
+                    for &landing in landings.iter().filter(|_| bright) {
+                        if !std::mem::replace(&mut reached[landing as usize], true) {
+                            next.push(landing);
+                        }
+                    }
+                }
+                wave = next;
+            }
+            // Let the dark ones look for light; each looks around once and remembers.
+            let dark: Vec<u32> = (0..slots as u32).filter(|&s| !reached[s as usize]).collect();
+            let unasked: Vec<u32> = dark.iter().copied().filter(|&s| seen_by[s as usize].is_none()).collect();
+            options.progress.at("patch", 0.6)?;
+            for (slot, landings) in unasked.iter().zip(self.look(tracer, &unasked, options.seed)) {
+                seen_by[*slot as usize] = Some(landings);
+            }
+            let sees_light = |slot: u32| match options.reach {
+                Reach::Light => seen_by[slot as usize]
+                    .iter()
+                    .flatten()
+                    .any(|&landing| reached[landing as usize] && self.is_bright(landing)),
+                Reach::Everything => seen_by[slot as usize].as_ref().is_some_and(|l| !l.is_empty()),
+            };
+            wave = dark.into_iter().filter(|&slot| sees_light(slot)).collect();
+            if wave.is_empty() {
+                break;
+            }
+            wave.iter().for_each(|&s| reached[s as usize] = true);
+        }
+        let found: Vec<u32> = (0..slots as u32).filter(|&s| reached[s as usize]).collect();
+        self.activate(&found);
+        Ok(())
+    }
+
+    /// The slots on which a few rays from each of `slots` land, each once.
+    fn look(&self, tracer: &Tracer, slots: &[u32], seed: u64) -> Vec<Vec<u32>> {
+        let look_from = |&slot: &u32| {
+            let sequence = Sequence::new(seed, STREAM + slot as u64, 0);
+            let rays = self.rays_from(tracer, slot, sequence, 0..PROBES);
+            let hits = rays.filter_map(|ray| tracer.closest_hit(&ray));
+            let mut landings: Vec<u32> =
+                hits.map(|hit| self.slot_at(hit.face as usize, hit.side, hit.barycentrics)).collect();
+            landings.sort_unstable();
+            landings.dedup();
+            landings
+        };
+        slots.par_iter().map(look_from).collect()
+    }
+
+    fn emits(&self, slot: u32) -> bool {
+        let place = self.slot(slot);
+        place.side == Side::Front && self.scene.material_of(place.face).emits()
+    }
+
+    /// Which part of a face's front and back is reached.
+    pub(super) fn reached_share(&self, face: usize) -> [f64; 2] {
+        let cells = self.cuts.cells(face).max(1) as f64;
+        Side::BOTH.map(|side| self.patches_of(face, side).len() as f64 / cells)
+    }
+}

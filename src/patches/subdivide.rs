@@ -1,0 +1,277 @@
+//! Subdivision: how a face is cut into patches, and which patch a point of it lies in.
+//!
+//! A face is cut by lines parallel to its shortest edge into *rows*, and each row into triangles, so that a
+//! well-shaped face falls into similar triangles and a sliver is cut along its long side only. A flat, obtuse
+//! sliver is first cut in two at its altitude. The arithmetic here is all there is: [`Cuts::cell_at`] finds the
+//! cell of a point in constant time, [`Cuts::corners`] the corners of a cell.
+
+use glam::{DMat2, DVec2, DVec3};
+
+/// Barycentric weights of a face's second and third corner.
+pub type Barycentrics = [f64; 2];
+
+/// How every face of a scene is cut.
+#[derive(Clone, Debug)]
+pub(super) struct Cuts {
+    grids: Vec<Grid>,
+    pieces: Vec<Piece>,
+    /// Per face, and one more: its first piece.
+    first_piece: Vec<u32>,
+}
+
+/// A face, or the half of one, with its grid.
+#[derive(Clone, Debug)]
+struct Piece {
+    /// The corner opposite the shortest edge, then that edge's ends, as points of the face.
+    corners: [DVec2; 3],
+    /// From points of the face to weights of the piece's second and third corner.
+    inverse: DMat2,
+    grid: u32,
+    /// Number of the face's cells before this piece's.
+    first_cell: u32,
+}
+
+/// A triangle cut into rows; row i lies between lines i and i + 1 counted from the apex.
+#[derive(Clone, Debug, PartialEq)]
+struct Grid {
+    rows: u32,
+    columns: u32,
+    /// Per row, and one more: its first cell.
+    first_cell: Vec<u32>,
+}
+
+impl Grid {
+    fn new(rows: u32, columns: u32) -> Self {
+        let mut grid = Self { rows, columns, first_cell: vec![0] };
+        let mut total = 0;
+        for row in 0..rows {
+            total += grid.segments(row) + grid.segments(row + 1);
+            grid.first_cell.push(total);
+        }
+        grid
+    }
+
+    /// Into how many segments line `line` is divided: none at the apex, `columns` at the base.
+    fn segments(&self, line: u32) -> u32 {
+        let even = (2 * line as u64 * self.columns as u64 + self.rows as u64) / (2 * self.rows as u64);
+        if line == 0 { 0 } else { (even as u32).max(1) }
+    }
+
+    fn cells(&self) -> u32 {
+        self.first_cell[self.rows as usize]
+    }
+
+    /// The cell at height `h` below the apex (0 to 1) and distance `w` from the first side (0 to h).
+    fn cell_at(&self, h: f64, w: f64) -> u32 {
+        let rows = self.rows as f64;
+        let row = ((h * rows) as u32).min(self.rows - 1);
+        let (inner, outer) = (self.segments(row), self.segments(row + 1));
+        let f = h * rows - row as f64;
+        let outer_step = (row + 1) as f64 / rows / outer as f64;
+        let inner_step = if inner == 0 { 0.0 } else { row as f64 / rows / inner as f64 };
+        // Lines from inner to outer vertex j stand `step` apart at this height; a diagonal leads on from each
+        // inner vertex j to outer vertex j + 1.
+        let step = inner_step + f * (outer_step - inner_step);
+        let j = if step > 0.0 { ((w / step) as u32).min(outer - 1) } else { 0 };
+        let past_diagonal = w > j as f64 * step + f * outer_step;
+        self.first_cell[row as usize] + 2 * j + u32::from(past_diagonal && j < inner)
+    }
+
+    /// The corners of a cell as (h, w), counter-clockwise as the whole is.
+    fn corners(&self, cell: u32) -> [(f64, f64); 3] {
+        let row = self.first_cell.partition_point(|&first| first <= cell) as u32 - 1;
+        let (j, second) = ((cell - self.first_cell[row as usize]) / 2, (cell - self.first_cell[row as usize]) % 2);
+        let vertex = |line: u32, k: u32| {
+            let h = line as f64 / self.rows as f64;
+            (h, h * k as f64 / self.segments(line).max(1) as f64)
+        };
+        match second {
+            0 => [vertex(row, j), vertex(row + 1, j), vertex(row + 1, j + 1)],
+            _ => [vertex(row, j), vertex(row + 1, j + 1), vertex(row, j + 1)],
+        }
+    }
+}
+
+/// Segments no longer than `edge` that a length is divided into.
+fn segments(length: f64, edge: f64) -> u32 {
+    (length / edge - 1e-9).ceil().clamp(1.0, 4096.0) as u32
+}
+
+/// The pieces of a face with these corners for patches of legs up to `edge`: corners, rows, columns.
+fn divide(corners: &[DVec3; 3], edge: f64) -> impl Iterator<Item = ([DVec2; 3], u32, u32)> {
+    let weights = [DVec2::ZERO, DVec2::X, DVec2::Y];
+    let length = |k: usize| corners[(k + 1) % 3].distance(corners[(k + 2) % 3]);
+    let lengths = [length(0), length(1), length(2)];
+    let longest = (0..3).max_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0);
+    let (a, b) = ((longest + 1) % 3, (longest + 2) % 3);
+    let base = corners[b] - corners[a];
+    // Where the altitude on the longest edge meets it, and how high it is.
+    let foot = (corners[longest] - corners[a]).dot(base) / base.length_squared();
+    let height = corners[longest].distance(corners[a] + base * foot);
+    let shorter = lengths[a].min(lengths[b]);
+    let pieces: [Option<[usize; 3]>; 2] = if height < 0.5 * shorter && height < edge && shorter > edge {
+        [Some([longest, a, 3]), Some([longest, 3, b])]
+    } else {
+        [Some([0, 1, 2]), None]
+    };
+    let at = [corners[0], corners[1], corners[2], corners[a] + base * foot];
+    let on_face = [weights[0], weights[1], weights[2], weights[a].lerp(weights[b], foot)];
+    pieces.into_iter().flatten().map(move |piece| {
+        let side = |k: usize| at[piece[(k + 1) % 3]].distance(at[piece[(k + 2) % 3]]);
+        let mut by_length = [0, 1, 2];
+        by_length.sort_by(|&i, &j| side(i).total_cmp(&side(j)).then(i.cmp(&j)));
+        let [apex, middle, _] = by_length;
+        let turned = [0, 1, 2].map(|k| on_face[piece[(apex + k) % 3]]);
+        (turned, segments(side(middle), edge), segments(side(apex), edge))
+    })
+}
+
+/// Into how many cells a face is cut for patches of legs up to `edge`.
+pub(super) fn cells_for(corners: &[DVec3; 3], edge: f64) -> u64 {
+    // In closed form up to rounding of the rows: a row of i/rows·columns segments inside and outside.
+    divide(corners, edge).map(|(_, rows, columns)| Grid::count(rows, columns)).sum()
+}
+
+impl Grid {
+    /// The number of cells of a grid, without making it.
+    fn count(rows: u32, columns: u32) -> u64 {
+        if rows == columns {
+            return rows as u64 * rows as u64;
+        }
+        let grid = Self { rows, columns, first_cell: Vec::new() };
+        (0..rows).map(|row| (grid.segments(row) + grid.segments(row + 1)) as u64).sum()
+    }
+}
+
+impl Cuts {
+    /// Cuts every face so that no leg of a patch is longer than `edge`; faces that are `None` get no cell.
+    pub fn new<'a>(faces: impl Iterator<Item = Option<&'a [DVec3; 3]>>, edge: f64) -> Self {
+        let mut cuts = Self { grids: Vec::new(), pieces: Vec::new(), first_piece: vec![0] };
+        let mut known = std::collections::HashMap::new();
+        for corners in faces {
+            let mut first_cell = 0;
+            for (corners, rows, columns) in corners.into_iter().flat_map(|c| divide(c, edge)) {
+                let grid = *known.entry((rows, columns)).or_insert_with(|| {
+                    cuts.grids.push(Grid::new(rows, columns));
+                    cuts.grids.len() - 1
+                });
+                let [a, b, c] = corners;
+                let inverse = DMat2::from_cols(b - a, c - a).inverse();
+                cuts.pieces.push(Piece { corners, inverse, grid: grid as u32, first_cell });
+                first_cell += cuts.grids[grid].cells();
+            }
+            cuts.first_piece.push(cuts.pieces.len() as u32);
+        }
+        cuts
+    }
+
+    fn pieces(&self, face: usize) -> &[Piece] {
+        &self.pieces[self.first_piece[face] as usize..self.first_piece[face + 1] as usize]
+    }
+
+    /// Number of cells of a face.
+    pub fn cells(&self, face: usize) -> u32 {
+        self.pieces(face).last().map_or(0, |p| p.first_cell + self.grids[p.grid as usize].cells())
+    }
+
+    /// The cell of a face in which a point lies.
+    #[inline]
+    pub fn cell_at(&self, face: usize, point: Barycentrics) -> u32 {
+        let pieces = self.pieces(face);
+        let point = DVec2::from(point);
+        let local = |piece: &Piece| piece.inverse * (point - piece.corners[0]);
+        let mut piece = &pieces[0];
+        let mut weights = local(piece);
+        // In two pieces the point lies in the first if the weight of the corner that only that piece has is positive.
+        if pieces.len() == 2 {
+            let second = local(&pieces[1]);
+            if second.min_element().min(1.0 - second.x - second.y)
+                > weights.min_element().min(1.0 - weights.x - weights.y)
+            {
+                (piece, weights) = (&pieces[1], second);
+            }
+        }
+        let weights = weights.max(DVec2::ZERO);
+        let h = (weights.x + weights.y).min(1.0);
+        piece.first_cell + self.grids[piece.grid as usize].cell_at(h, weights.y.min(h))
+    }
+
+    /// The corners of a cell, as points of its face, counter-clockwise seen from the front.
+    pub fn corners(&self, face: usize, cell: u32) -> [Barycentrics; 3] {
+        let pieces = self.pieces(face);
+        let piece = &pieces[pieces.partition_point(|p| p.first_cell <= cell) - 1];
+        let [a, b, c] = piece.corners;
+        let corners = self.grids[piece.grid as usize].corners(cell - piece.first_cell);
+        corners.map(|(h, w)| (a + (b - a) * (h - w) + (c - a) * w).to_array())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::sampling::{Sequence, uniform_triangle};
+
+    fn on(corners: &[DVec3; 3], [u, v]: Barycentrics) -> DVec3 {
+        corners[0] + (corners[1] - corners[0]) * u + (corners[2] - corners[0]) * v
+    }
+
+    fn area([a, b, c]: [DVec3; 3]) -> f64 {
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    fn shapes() -> Vec<[DVec3; 3]> {
+        [
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.4, 0.9, 0.3]],
+            [[0.0, 0.0, 0.0], [1e-4, 0.0, 0.0], [0.0, 3.0, 0.0]],
+            [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.9, 0.01, 0.0]],
+            [[0.0, 0.0, 0.0], [1.9, 0.2, 0.0], [1.0, 0.7, 0.0]],
+        ]
+        .map(|corners| corners.map(DVec3::from))
+        .to_vec()
+    }
+
+    #[test]
+    fn cells_tile_the_face_without_gap_or_overlap() {
+        for corners in shapes() {
+            for edge in [10.0, 1.0, 0.31, 0.1] {
+                let cuts = Cuts::new([Some(&corners)].into_iter(), edge);
+                assert_eq!(cuts.cells(0) as u64, cells_for(&corners, edge));
+                let cell_area = |cell| area(cuts.corners(0, cell).map(|b| on(&corners, b)));
+                let total: f64 = (0..cuts.cells(0)).map(cell_area).sum();
+                assert!((total / area(corners) - 1.0).abs() < 1e-9, "{corners:?} {edge}: {total}");
+                // Area alone could hide an overlap: every cell's points must be found in that cell.
+                for cell in 0..cuts.cells(0) {
+                    let [a, b, c] = cuts.corners(0, cell).map(DVec2::from);
+                    for k in 0..8 {
+                        let [x, y, ..] = Sequence::new(1, cell as u64, 0).point(k);
+                        let [u, v] = uniform_triangle([x, y]);
+                        let point = a + (b - a) * u + (c - a) * v;
+                        assert_eq!(cuts.cell_at(0, point.to_array()), cell, "{corners:?} {edge}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn cells_keep_the_orientation_of_their_face() {
+        for corners in shapes() {
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+            let cuts = Cuts::new([Some(&corners)].into_iter(), 0.2);
+            for cell in 0..cuts.cells(0) {
+                let [a, b, c] = cuts.corners(0, cell).map(|p| on(&corners, p));
+                assert!((b - a).cross(c - a).dot(normal) > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn slivers_are_cut_along_their_long_side_only() {
+        let [_, _, needle, cap, _] = shapes()[..] else { unreachable!() };
+        for sliver in [needle, cap] {
+            let cells = cells_for(&sliver, 0.1);
+            assert!((20..=80).contains(&cells), "{cells}");
+        }
+    }
+}

@@ -1,0 +1,385 @@
+//! Scene: what the world is, before any ray is cast.
+//!
+//! A [`Scene`] is a list of triangles with materials, checked on the way in: whatever holds a `Scene`
+//! may rely on finite vertices, valid indices and physical materials. Read one with [`Scene::load`],
+//! take the built-in [`Scene::cornell_box`], or make one from your own triangles with [`Scene::new`].
+
+mod builtin;
+mod camera;
+mod material;
+mod obj;
+mod settings;
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+pub use camera::Camera;
+pub use material::{Material, Surface};
+
+/// One of the two sides of a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Side {
+    /// The side from which the vertices run counter-clockwise; the one that emits.
+    Front,
+    /// The other side.
+    Back,
+}
+
+impl Side {
+    /// Both sides, front first.
+    pub const BOTH: [Side; 2] = [Side::Front, Side::Back];
+
+    /// `front` or `back`, as tables spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Side::Front => "front",
+            Side::Back => "back",
+        }
+    }
+}
+
+/// Whether a face takes part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaceState {
+    /// It does.
+    Kept,
+    /// Dropped: its corners lie on a line or a point.
+    ZeroArea,
+    /// Dropped: an earlier face has the same three corners.
+    Duplicate,
+}
+
+/// A triangle. Its number is its place in [`Scene::faces`], which is file order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Face {
+    /// Corners, as indices into [`Scene::vertices`], counter-clockwise seen from the front.
+    pub vertices: [u32; 3],
+    /// Shading normals at the corners, as indices into [`Scene::normals`]; they smooth pictures only.
+    pub normals: Option<[u32; 3]>,
+    /// Index into [`Scene::materials`].
+    pub material: u32,
+    /// Index into [`Scene::objects`].
+    pub object: u32,
+    /// Whether it takes part. A dropped face keeps its number.
+    pub state: FaceState,
+}
+
+/// A validated world: triangles, materials, camera.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    name: String,
+    vertices: Vec<DVec3>,
+    normals: Vec<DVec3>,
+    faces: Vec<Face>,
+    materials: Vec<Material>,
+    objects: Vec<String>,
+    camera: Option<Camera>,
+    channels: usize,
+    warnings: Vec<String>,
+}
+
+/// The raw parts of a [`Scene`], before they are checked.
+#[derive(Clone, Debug, Default)]
+pub struct SceneParts {
+    /// Name, used for the output folder.
+    pub name: String,
+    /// Vertices, metres.
+    pub vertices: Vec<DVec3>,
+    /// Shading normals; may be empty.
+    pub normals: Vec<DVec3>,
+    /// Triangles.
+    pub faces: Vec<Face>,
+    /// Materials, all with the same number of channels.
+    pub materials: Vec<Material>,
+    /// Object names.
+    pub objects: Vec<String>,
+    /// The camera the scene asks for.
+    pub camera: Option<Camera>,
+    /// What the reader noticed and the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// Why a scene could not be read or does not make sense.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The file can't be opened or read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// An OBJ file names a material library that is not there.
+    #[error(
+        "{}:{line}: the material library {library} cannot be read ({source}); put it beside the OBJ file or remove the mtllib line",
+        path.display()
+    )]
+    MissingLibrary {
+        /// The OBJ file.
+        path: PathBuf,
+        /// Its line that names the library.
+        line: usize,
+        /// The library.
+        library: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A line of a file does not say what it should.
+    #[error("{}:{line}: {message}", path.display())]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// The scene has no triangle.
+    #[error("{name}: the scene has no faces; check that the file holds `f` lines with at least three corners")]
+    NoFaces {
+        /// The scene.
+        name: String,
+    },
+    /// All faces were dropped.
+    #[error("{name}: every face has zero area; check the unit and the vertices")]
+    NoArea {
+        /// The scene.
+        name: String,
+    },
+    /// A face refers to something that is not there, or to a vertex that is not finite.
+    #[error("face {face}: {message}")]
+    Face {
+        /// Its number, from 0.
+        face: usize,
+        /// What is wrong.
+        message: String,
+    },
+    /// A material is not physical.
+    #[error("material {material}: {message}")]
+    Material {
+        /// Its name.
+        material: String,
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// The camera can't make a picture.
+    #[error(
+        "camera: position and target must differ, up must not be zero, and fov must lie between 0 and 180 degrees"
+    )]
+    Camera,
+    /// Nothing emits, so there is nothing to solve.
+    #[error(
+        "{name}: no light at all; give a material an emission (Ke in the MTL file, or `emission` in the scene's .toml)"
+    )]
+    NoLight {
+        /// The scene.
+        name: String,
+    },
+}
+
+impl Scene {
+    /// Reads an OBJ file, the MTL files it names, and the `.toml` beside it if there is one.
+    ///
+    /// # Errors
+    /// Any [`SceneError`] but `NoLight`; each names the file and line, the face or the material.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        obj::load(path.as_ref())
+    }
+
+    /// The Cornell box as measured at Cornell University, built into the library.
+    pub fn cornell_box() -> Self {
+        builtin::cornell_box()
+    }
+
+    /// Checks the parts and makes a scene of them.
+    ///
+    /// Zero-area and duplicate faces are marked as dropped and counted in a warning; where all
+    /// channels of all materials agree the scene keeps one channel.
+    ///
+    /// # Errors
+    /// `NoFaces`, `NoArea`, `Face`, `Material` or `Camera`.
+    pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
+        let SceneParts { name, vertices, normals, mut faces, mut materials, objects, camera, mut warnings } =
+            parts;
+        if faces.is_empty() {
+            return Err(SceneError::NoFaces { name });
+        }
+        check_faces(&faces, &vertices, &normals, materials.len(), objects.len())?;
+        let mut channels = check_materials(&materials)?;
+        if materials.iter().all(Material::is_grey) {
+            channels = 1;
+            for material in &mut materials {
+                material.reflectance.truncate(1);
+                material.emission.truncate(1);
+            }
+        }
+        if camera.is_some_and(|camera| !camera.is_valid()) {
+            return Err(SceneError::Camera);
+        }
+        drop_degenerate(&mut faces, &vertices, &materials, &mut warnings);
+        if faces.iter().all(|face| face.state != FaceState::Kept) {
+            return Err(SceneError::NoArea { name });
+        }
+        Ok(Self { name, vertices, normals, faces, materials, objects, camera, channels, warnings })
+    }
+
+    /// Name, from the file's.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// All vertices, metres.
+    pub fn vertices(&self) -> &[DVec3] {
+        &self.vertices
+    }
+
+    /// Shading normals; empty where the file gives none.
+    pub fn normals(&self) -> &[DVec3] {
+        &self.normals
+    }
+
+    /// All triangles, dropped ones included, in file order.
+    pub fn faces(&self) -> &[Face] {
+        &self.faces
+    }
+
+    /// All materials.
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// Object names.
+    pub fn objects(&self) -> &[String] {
+        &self.objects
+    }
+
+    /// The camera the scene asks for.
+    pub fn camera(&self) -> Option<&Camera> {
+        self.camera.as_ref()
+    }
+
+    /// How many channels reflectance and radiance have: 1 where all agree, else those of the materials.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// What reading the scene brought to light and its author should know.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// The material of a face.
+    pub fn material_of(&self, face: usize) -> &Material {
+        &self.materials[self.faces[face].material as usize]
+    }
+
+    /// The corners of a face, metres.
+    pub fn corners(&self, face: usize) -> [DVec3; 3] {
+        self.faces[face].vertices.map(|v| self.vertices[v as usize])
+    }
+
+    /// Makes sure that something emits.
+    ///
+    /// # Errors
+    /// `NoLight`.
+    pub fn require_light(&self) -> Result<(), SceneError> {
+        let kept = |face: &&Face| face.state == FaceState::Kept;
+        let lit = self.faces.iter().filter(kept).any(|f| self.materials[f.material as usize].emits());
+        if lit { Ok(()) } else { Err(SceneError::NoLight { name: self.name.clone() }) }
+    }
+}
+
+fn check_faces(
+    faces: &[Face],
+    vertices: &[DVec3],
+    normals: &[DVec3],
+    materials: usize,
+    objects: usize,
+) -> Result<(), SceneError> {
+    for (number, face) in faces.iter().enumerate() {
+        let error = |message: String| Err(SceneError::Face { face: number, message });
+        for &v in &face.vertices {
+            match vertices.get(v as usize) {
+                None => return error(format!("vertex {v} does not exist; there are {}", vertices.len())),
+                Some(p) if !p.is_finite() => return error(format!("vertex {v} is {p}; it must be finite")),
+                Some(_) => {}
+            }
+        }
+        let bad_normal = face.normals.is_some_and(|n| n.iter().any(|&n| n as usize >= normals.len()));
+        if bad_normal || face.material as usize >= materials || face.object as usize >= objects {
+            return error("its normal, material or object does not exist".into());
+        }
+    }
+    Ok(())
+}
+
+/// Returns the number of channels.
+fn check_materials(materials: &[Material]) -> Result<usize, SceneError> {
+    let channels = materials.first().map_or(1, |m| m.reflectance.len());
+    for material in materials {
+        let error = |message: String| Err(SceneError::Material { material: material.name.clone(), message });
+        if channels == 0 || material.reflectance.len() != channels || material.emission.len() != channels {
+            return error(format!("every reflectance and emission must have {} channels", channels.max(1)));
+        }
+        if let Some(r) = material.reflectance.iter().find(|r| !(0.0..=1.0).contains(*r)) {
+            return error(format!("reflectance {r} must lie between 0 and 1 (Kd in the MTL file)"));
+        }
+        if let Some(e) = material.emission.iter().find(|e| !(e.is_finite() && **e >= 0.0)) {
+            return error(format!("emission {e} must be finite and not negative (Ke in the MTL file)"));
+        }
+    }
+    Ok(channels)
+}
+
+/// Marks zero-area faces and exact duplicates, and says how many there were.
+fn drop_degenerate(
+    faces: &mut [Face],
+    vertices: &[DVec3],
+    materials: &[Material],
+    warnings: &mut Vec<String>,
+) {
+    let (mut flat, mut twice, mut lamps_lost) = (0, 0, 0);
+    let mut emits_at: HashMap<[[u64; 3]; 3], bool> = HashMap::new();
+    for face in faces.iter_mut() {
+        let [a, b, c] = face.vertices.map(|v| vertices[v as usize]);
+        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+        if (b - a).cross(c - a).length() <= 1e-12 * longest {
+            face.state = FaceState::ZeroArea;
+            flat += 1;
+            continue;
+        }
+        // Adding zero makes -0.0 and 0.0 the same corner.
+        let mut corners = [a, b, c].map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));
+        corners.sort_unstable();
+        let emits = materials[face.material as usize].emits();
+        match emits_at.entry(corners) {
+            Entry::Vacant(first) => {
+                first.insert(emits);
+            }
+            Entry::Occupied(first) => {
+                face.state = FaceState::Duplicate;
+                twice += 1;
+                lamps_lost += usize::from(emits && !first.get());
+            }
+        }
+    }
+    if flat > 0 {
+        warnings.push(format!("dropped {}: no area", count(flat, "face")));
+    }
+    if twice > 0 {
+        warnings.push(format!("dropped {}: duplicates of earlier faces", count(twice, "face")));
+    }
+    if lamps_lost > 0 {
+        warnings.push(format!("{} of those emit, the earlier ones do not", count(lamps_lost, "duplicate")));
+    }
+}
+
+/// `1 face`, `2 faces`.
+fn count(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}

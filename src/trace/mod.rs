@@ -1,0 +1,142 @@
+//! Trace: rays against the scene's faces.
+//!
+//! A [`Tracer`] answers two questions, [`Tracer::closest_hit`] and [`Tracer::unoccluded`], exactly enough that a
+//! closed mesh lets no ray out. It knows faces and nothing of patches, so the cost of a ray does not
+//! grow with the number of patches.
+//!
+//! Everything here happens in the *normalised frame*: the scene is moved to the origin and scaled to fit
+//! the cube [-1, 1]³, so that neither its size nor its place can matter. [`Frame`] converts.
+
+mod bvh;
+pub mod sampling;
+mod triangle;
+
+use glam::DVec3;
+
+use crate::scene::{FaceState, Scene, Side};
+use bvh::Bvh;
+
+/// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.
+///
+/// Rays start on a face to within rounding (10⁻¹⁶); a coplanar neighbour or a lamp flush with a wall must
+/// not stop them. A wall that is met this close at a corner is missed by one ray in some 10¹¹.
+const SKIN: f64 = 1e-13;
+
+/// The map between scene coordinates (metres) and the normalised frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    centre: DVec3,
+    scale: f64,
+}
+
+impl Frame {
+    fn around(points: impl Iterator<Item = DVec3>) -> Self {
+        let everything = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = points.fold(everything, |(low, high), p| (low.min(p), high.max(p)));
+        Self { centre: 0.5 * (low + high), scale: (0.5 * (high - low)).max_element() }
+    }
+
+    /// Metres per normalised unit of length.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// From metres to the normalised frame.
+    pub fn from_world(&self, p: DVec3) -> DVec3 {
+        (p - self.centre) / self.scale
+    }
+
+    /// From the normalised frame to metres.
+    pub fn to_world(&self, p: DVec3) -> DVec3 {
+        self.centre + p * self.scale
+    }
+}
+
+/// A half-line from a point, normalised frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Start.
+    pub origin: DVec3,
+    /// Unit direction.
+    pub direction: DVec3,
+    /// The face it starts on, which it can't hit; [`Ray::FREE`] for rays that start in the open.
+    pub from: u32,
+}
+
+impl Ray {
+    /// The `from` of a ray that starts on no face.
+    pub const FREE: u32 = u32::MAX;
+}
+
+/// Where a ray meets a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The face's number.
+    pub face: u32,
+    /// The side that was met.
+    pub side: Side,
+    /// Distance from the ray's origin, normalised.
+    pub distance: f64,
+    /// Barycentric weights of the second and third corner.
+    pub barycentrics: [f64; 2],
+}
+
+/// The scene's faces, ready to be met by rays.
+#[derive(Debug)]
+pub struct Tracer<'s> {
+    scene: &'s Scene,
+    frame: Frame,
+    corners: Vec<[DVec3; 3]>,
+    normals: Vec<DVec3>,
+    bvh: Bvh,
+}
+
+impl<'s> Tracer<'s> {
+    /// Builds the bounding volume hierarchy over the faces that take part.
+    pub fn new(scene: &'s Scene) -> Self {
+        let kept: Vec<u32> = (0..scene.faces().len() as u32)
+            .filter(|&f| scene.faces()[f as usize].state == FaceState::Kept)
+            .collect();
+        let frame = Frame::around(kept.iter().flat_map(|&f| scene.corners(f as usize)));
+        let corners: Vec<[DVec3; 3]> =
+            (0..scene.faces().len()).map(|f| scene.corners(f).map(|p| frame.from_world(p))).collect();
+        let normals = corners.iter().map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero()).collect();
+        let bvh = Bvh::new(&corners, &kept);
+        Self { scene, frame, corners, normals, bvh }
+    }
+
+    /// The scene whose faces these are.
+    pub fn scene(&self) -> &'s Scene {
+        self.scene
+    }
+
+    /// The map to and from metres.
+    pub fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    /// A face's corners, normalised frame.
+    pub fn corners(&self, face: usize) -> &[DVec3; 3] {
+        &self.corners[face]
+    }
+
+    /// The unit normal of a face's side; zero for a face without area.
+    pub fn normal(&self, face: usize, side: Side) -> DVec3 {
+        match side {
+            Side::Front => self.normals[face],
+            Side::Back => -self.normals[face],
+        }
+    }
+
+    /// The first face that the ray meets, if any. Equally near faces: the lower number.
+    pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+        self.bvh.closest_hit(ray)
+    }
+
+    /// Whether two points on two faces see each other, in front of or behind those faces alike.
+    pub fn unoccluded(&self, (p, from): (DVec3, u32), (q, to): (DVec3, u32)) -> bool {
+        let distance = p.distance(q);
+        let ray = Ray { origin: p, direction: (q - p) / distance, from };
+        !self.bvh.any_hit(&ray, to, distance - SKIN)
+    }
+}

@@ -1,0 +1,146 @@
+//! Sampling: random points and directions, each sampler beside its density.
+//!
+//! Samples come from 4-D Owen-scrambled Sobol sequences (Burley 2020), which end at 2¹⁶ points: rays are drawn in
+//! *batches*, each with a scrambling of its own, so that the spread between batches measures the error.
+
+use std::f64::consts::{FRAC_1_PI, PI};
+
+use glam::{DMat3, DVec3};
+
+/// The most points a scrambling has.
+pub const SEQUENCE_END: u32 = 1 << 16;
+
+/// One scrambling of the four-dimensional Sobol sequence.
+#[derive(Clone, Copy, Debug)]
+pub struct Sequence(u32);
+
+impl Sequence {
+    /// The scrambling with number `index` of stream `stream` under a user's seed.
+    pub fn new(seed: u64, stream: u64, index: u64) -> Self {
+        // Three rounds of SplitMix64 (Steele, Lea & Flood 2014).
+        let mixed = [seed, stream, index].iter().fold(0u64, |state, &word| split_mix(state ^ word));
+        Self((mixed >> 32) as u32)
+    }
+
+    /// Point `k` of the sequence, strictly inside the unit cube; k < [`SEQUENCE_END`].
+    #[inline]
+    pub fn point(self, k: u32) -> [f64; 4] {
+        // The sequence has 24 bits; half a step more keeps it off the edges.
+        const HALF_STEP: f64 = 1.0 / (1u32 << 25) as f64;
+        sobol_burley::sample_4d(k, 0, self.0).map(|x| f64::from(x) + HALF_STEP)
+    }
+}
+
+fn split_mix(state: u64) -> u64 {
+    let z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// Barycentric weights of the second and third corner, uniform over a triangle (Heitz 2019).
+#[inline]
+pub fn uniform_triangle([u, v]: [f64; 2]) -> [f64; 2] {
+    if u < v { [0.5 * u, v - 0.5 * u] } else { [u - 0.5 * v, 0.5 * v] }
+}
+
+/// A direction over the plane z = 0 with density [`cosine_hemisphere_pdf`] (Shirley & Chiu 1997).
+#[inline]
+pub fn cosine_hemisphere([u, v]: [f64; 2]) -> DVec3 {
+    let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    let (radius, angle) = if x == 0.0 && y == 0.0 {
+        (0.0, 0.0)
+    } else if x.abs() > y.abs() {
+        (x, PI / 4.0 * (y / x))
+    } else {
+        (y, PI / 2.0 - PI / 4.0 * (x / y))
+    };
+    let (sine, cosine) = angle.sin_cos();
+    DVec3::new(radius * cosine, radius * sine, (1.0 - radius * radius).max(0.0).sqrt())
+}
+
+/// Density of [`cosine_hemisphere`] per unit solid angle: cos θ / π.
+#[inline]
+pub fn cosine_hemisphere_pdf(cos_theta: f64) -> f64 {
+    cos_theta.max(0.0) * FRAC_1_PI
+}
+
+/// Columns tangent, bitangent and normal: a right-handed frame around a unit normal (Duff et al. 2017).
+#[inline]
+pub fn frame_around(normal: DVec3) -> DMat3 {
+    let sign = 1.0f64.copysign(normal.z);
+    let a = -1.0 / (sign + normal.z);
+    let b = normal.x * normal.y * a;
+    DMat3::from_cols(
+        DVec3::new(1.0 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x),
+        DVec3::new(b, sign + normal.y * normal.y * a, -normal.y),
+        normal,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks that a sampler has its density: the mean of f under it is ∫ f·pdf, for several f at once.
+    #[test]
+    fn cosine_hemisphere_has_its_density() {
+        let tests: [fn(DVec3) -> f64; 4] = [|_| 1.0, |d| d.z, |d| d.x * d.x, |d| d.z * d.z * d.y * d.y];
+        let n = 1 << 14;
+        let mut mean = [0.0; 4];
+        for k in 0..n {
+            let [u, v, ..] = Sequence::new(7, 0, 0).point(k);
+            let d = cosine_hemisphere([u, v]);
+            assert!((d.length() - 1.0).abs() < 1e-12 && d.z >= 0.0);
+            for (m, f) in mean.iter_mut().zip(tests) {
+                *m += f(d) / n as f64;
+            }
+        }
+        // Integrate the density itself by the midpoint rule over θ and φ.
+        let steps = 400;
+        let mut integral = [0.0; 4];
+        for i in 0..steps {
+            for j in 0..steps {
+                let theta = (i as f64 + 0.5) / steps as f64 * PI / 2.0;
+                let phi = (j as f64 + 0.5) / steps as f64 * 2.0 * PI;
+                let (st, ct) = theta.sin_cos();
+                let d = DVec3::new(st * phi.cos(), st * phi.sin(), ct);
+                let cell = st * (PI / 2.0) * (2.0 * PI) / (steps * steps) as f64;
+                for (m, f) in integral.iter_mut().zip(tests) {
+                    *m += f(d) * cosine_hemisphere_pdf(d.z) * cell;
+                }
+            }
+        }
+        for (m, i) in mean.iter().zip(integral) {
+            assert!((m - i).abs() < 5e-4, "{mean:?} {integral:?}");
+        }
+    }
+
+    #[test]
+    fn uniform_triangle_is_uniform_and_inside() {
+        let n = 1 << 14;
+        let mut moments = [0.0; 3];
+        for k in 0..n {
+            let [u, v, ..] = Sequence::new(7, 1, 0).point(k);
+            let [b, c] = uniform_triangle([u, v]);
+            assert!(b > 0.0 && c > 0.0 && b + c < 1.0);
+            for (m, x) in moments.iter_mut().zip([b, c, b * c]) {
+                *m += x / n as f64;
+            }
+        }
+        for (m, exact) in moments.iter().zip([1.0 / 3.0, 1.0 / 3.0, 1.0 / 12.0]) {
+            assert!((m - exact).abs() < 1e-4, "{moments:?}");
+        }
+    }
+
+    #[test]
+    fn the_frame_is_orthonormal_and_right_handed() {
+        for k in 0..100 {
+            let [a, b, ..] = Sequence::new(1, 2, 3).point(k);
+            let normal = cosine_hemisphere([a, b]) * if k % 2 == 0 { 1.0 } else { -1.0 };
+            let frame = frame_around(normal);
+            assert!((frame.determinant() - 1.0).abs() < 1e-12);
+            assert!((frame.transpose() * frame).abs_diff_eq(DMat3::IDENTITY, 1e-12));
+        }
+    }
+}
