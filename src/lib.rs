@@ -1,4 +1,7 @@
+pub mod measure;
 pub mod patches;
 pub mod progress;
 pub mod scene;
+pub mod solve;
 pub mod trace;
+pub mod transport;

@@ -1,0 +1,49 @@
+//! Energy: where the emitted power goes.
+
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
+use serde::Serialize;
+
+use crate::transport::Transport;
+
+/// Radiant flux Φ by where it comes from and goes to, per channel, W; every term computed on its own.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Energy {
+    /// π Σ A Lₑ.
+    pub emitted: Vec<f64>,
+    /// Σ (1 − ρ) A H with H recomputed from L.
+    pub absorbed: Vec<f64>,
+    /// π Σ A L F_i∞, what leaves the scene.
+    pub escaped: Vec<f64>,
+    /// What mirrors and glass absorb.
+    pub carriers: Vec<f64>,
+    /// What paths lose that are cut short.
+    pub lost: Vec<f64>,
+    /// (emitted − the rest) / emitted, the largest absolute value over channels.
+    pub imbalance: f64,
+}
+
+impl Energy {
+    /// Accounts for emitted radiance `e` and radiance `l` (n × c) under operator `k`; `unit` is the operator's unit of area in m².
+    ///
+    /// # Panics
+    /// If `e` or `l` is not n × c.
+    pub fn new(k: &Transport, e: &DMatrix<f64>, l: &DMatrix<f64>, unit: f64) -> Self {
+        let channels = k.channels();
+        let irradiance = k.irradiance(l);
+        let area = k.mass();
+        let weigh = |value: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
+            (0..channels).map(|c| unit * (0..k.len()).map(|i| value(i, c)).sum::<f64>()).collect()
+        };
+        let emitted = weigh(&|i, c| PI * area[i] * e[(i, c)]);
+        let absorbed = weigh(&|i, c| (1.0 - k.reflectance()[(i, c)]) * area[i] * irradiance[(i, c)]);
+        let escaped = weigh(&|i, c| PI * k.exchange().escape()[i] * l[(i, c)]);
+        let off = |c: usize| match emitted[c] {
+            0.0 => 0.0,
+            emitted => ((emitted - absorbed[c] - escaped[c]) / emitted).abs(),
+        };
+        let imbalance = (0..channels).map(off).fold(0.0, f64::max);
+        Self { emitted, absorbed, escaped, carriers: vec![0.0; channels], lost: vec![0.0; channels], imbalance }
+    }
+}

@@ -1,0 +1,5 @@
+//! Measure: how good an answer is.
+
+mod energy;
+
+pub use energy::Energy;

@@ -1,0 +1,157 @@
+//! The direct solver: Cholesky factors of the symmetric form.
+//!
+//! With s = √(ρ/A), the matrix I − diag(s) S diag(s) is symmetric positive definite, has a unit scale whatever the patch areas, and
+//! does not mind ρ = 0. It is factored once per distinct ρ; channels with the same reflectances share their factor.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt;
+use faer::{MatMut, MatRef, Par};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::conjugate_gradient::symmetric_scale;
+use super::{Amplification, Solution, SolveError, finish};
+use crate::progress::Progress;
+use crate::transport::Transport;
+
+/// Limits of the direct solver.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectOptions<'a> {
+    /// The most bytes the factors may take: 8 n² for each distinct ρ.
+    pub memory: u64,
+    /// Where to report progress, as stages `factor` and `solve`.
+    pub progress: Progress<'a>,
+}
+
+impl Default for DirectOptions<'_> {
+    /// 4 GiB.
+    fn default() -> Self {
+        Self { memory: 4 << 30, progress: Progress::default() }
+    }
+}
+
+/// A factored operator, ready for any number of right-hand sides.
+#[derive(Debug)]
+pub struct Direct<'k> {
+    k: &'k Transport<'k>,
+    scale: DMatrix<f64>,
+    /// Lower triangular Cholesky factors, one per distinct ρ.
+    factors: Vec<DMatrix<f64>>,
+    /// Which factor a channel uses.
+    factor_of: Vec<usize>,
+    amplification: Amplification,
+}
+
+/// How work is split inside a factorization. Fixed, so that the answer has the same bits on any number of threads.
+fn split() -> Par {
+    Par::rayon(8)
+}
+
+/// Factors the operator.
+///
+/// # Errors
+/// `Memory`, `Singular` or `Cancelled`.
+pub fn direct<'k>(k: &'k Transport<'k>, options: &DirectOptions) -> Result<Direct<'k>, SolveError> {
+    let n = k.len();
+    let (factor_of, distinct) = distinct_channels(k.reflectance());
+    let needed = 8 * (n as u64).pow(2) * distinct.len() as u64;
+    if needed > options.memory {
+        return Err(SolveError::Memory { n, needed, limit: options.memory });
+    }
+    let scale = symmetric_scale(k);
+    let mut factors = Vec::new();
+    for (done, &c) in distinct.iter().enumerate() {
+        options.progress.at("factor", done as f64 / distinct.len() as f64)?;
+        factors.push(factor(k, scale.column(c).as_slice())?);
+    }
+    options.progress.at("factor", 1.0)?;
+    let ones = DMatrix::repeat(n, k.channels(), 1.0);
+    let w = back_substitute(k, &scale, &factors, &factor_of, &ones);
+    let amplification = Amplification::from_rough(k, w);
+    Ok(Direct { k, scale, factors, factor_of, amplification })
+}
+
+impl Direct<'_> {
+    /// Solves L = E + K L for one right-hand side E (n × c).
+    ///
+    /// # Panics
+    /// If `e` is not n × c.
+    pub fn solve(&self, e: &DMatrix<f64>) -> Solution {
+        assert_eq!(e.shape(), (self.k.len(), self.k.channels()), "the right-hand side is n × c");
+        let substitute = |e: &DMatrix<f64>| back_substitute(self.k, &self.scale, &self.factors, &self.factor_of, e);
+        let radiance = substitute(e);
+        // Refine once: solve for what the residual says is left.
+        let residual = e + self.k.reflect(&self.k.irradiance(&radiance)) - &radiance;
+        let radiance = radiance + substitute(&residual);
+        finish(self.k, e, &radiance, ("direct", 0), &self.amplification)
+    }
+
+    /// Number of factorizations: one per distinct ρ.
+    pub fn factorizations(&self) -> usize {
+        self.factors.len()
+    }
+}
+
+/// For each channel the index of its factor, and for each factor its first channel.
+fn distinct_channels(reflectance: &DMatrix<f64>) -> (Vec<usize>, Vec<usize>) {
+    let mut distinct: Vec<usize> = Vec::new();
+    let factor_of = (0..reflectance.ncols())
+        .map(|c| {
+            distinct.iter().position(|&d| reflectance.column(d) == reflectance.column(c)).unwrap_or_else(|| {
+                distinct.push(c);
+                distinct.len() - 1
+            })
+        })
+        .collect();
+    (factor_of, distinct)
+}
+
+/// The lower Cholesky factor of I − diag(s) S diag(s).
+fn factor(k: &Transport, s: &[f64]) -> Result<DMatrix<f64>, SolveError> {
+    let n = k.len();
+    let mut matrix = DMatrix::zeros(n, n);
+    matrix.as_mut_slice().par_chunks_mut(n).enumerate().for_each(|(j, column)| {
+        column[j] = 1.0;
+        k.exchange().for_row(j, |i, exchange| {
+            if i >= j {
+                column[i] -= s[i] * exchange * s[j];
+            }
+        });
+    });
+    let scratch = llt::factor::cholesky_in_place_scratch::<f64>(n, split(), Default::default());
+    let result = llt::factor::cholesky_in_place(
+        MatMut::from_column_major_slice_mut(matrix.as_mut_slice(), n, n),
+        Default::default(),
+        split(),
+        MemStack::new(&mut MemBuffer::new(scratch)),
+        Default::default(),
+    );
+    match result {
+        Ok(_) => Ok(matrix),
+        Err(llt::factor::LltError::NonPositivePivot { index }) => Err(SolveError::Singular { patch: index }),
+    }
+}
+
+/// L = E + s∘y with y from the factors of its channel.
+fn back_substitute(
+    k: &Transport,
+    scale: &DMatrix<f64>,
+    factors: &[DMatrix<f64>],
+    factor_of: &[usize],
+    e: &DMatrix<f64>,
+) -> DMatrix<f64> {
+    let n = k.len();
+    let mut y = DMatrix::zeros(n, e.ncols());
+    k.exchange().apply(e, &mut y);
+    y.component_mul_assign(scale);
+    for (c, &f) in factor_of.iter().enumerate() {
+        let scratch = llt::solve::solve_in_place_scratch::<f64>(n, 1, split());
+        llt::solve::solve_in_place(
+            MatRef::from_column_major_slice(factors[f].as_slice(), n, n),
+            MatMut::from_column_major_slice_mut(y.column_mut(c).as_mut_slice(), n, 1),
+            split(),
+            MemStack::new(&mut MemBuffer::new(scratch)),
+        );
+    }
+    e + scale.component_mul(&y)
+}

@@ -1,0 +1,137 @@
+//! Solvers: L = (I − K)⁻¹E, three ways.
+//!
+//! | solver | how | when |
+//! |---|---|---|
+//! | [`direct()`] | Cholesky factors of the symmetric form, any number of right-hand sides | up to some thousand patches |
+//! | [`conjugate_gradients`] | conjugate gradients on the same form | any size |
+//! | [`neumann`] | E + KE + K²E + …, a bounce of light each | to see how light builds up |
+//!
+//! Each takes the operator and the right-hand side E (n × c) and answers a [`Solution`] that carries its own [`Report`].
+
+mod amplification;
+mod conjugate_gradient;
+mod direct;
+mod neumann;
+
+use nalgebra::DMatrix;
+
+pub use amplification::Amplification;
+pub use conjugate_gradient::{CgOptions, conjugate_gradients};
+pub use direct::{Direct, DirectOptions, direct};
+pub use neumann::{Bounce, NeumannOptions, Series, neumann};
+
+use crate::progress::Cancelled;
+use crate::transport::Transport;
+
+/// Radiance and irradiance of every patch, and how good they are.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// Radiance L, n × c, W·sr⁻¹·m⁻². Row by row Lₑ + ρH/π.
+    pub radiance: DMatrix<f64>,
+    /// Irradiance H, n × c, W·m⁻².
+    pub irradiance: DMatrix<f64>,
+    /// How it was found.
+    pub report: Report,
+}
+
+/// What a solver says of its answer.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Report {
+    /// `direct`, `cg` or `neumann`.
+    pub name: &'static str,
+    /// Passes over the matrix; 0 for the direct solver.
+    pub iterations: usize,
+    /// ‖E − (I − K)L‖∞ / ‖E‖∞, recomputed from the answer; the largest over channels.
+    pub residual: f64,
+    /// *Guaranteed* bound on ‖error‖∞ / ‖L‖∞ for this operator, the largest over channels.
+    pub bound: f64,
+    /// *Guaranteed* bound on the condition number ‖I − K‖∞ ‖(I − K)⁻¹‖∞, the largest over channels.
+    pub condition: f64,
+}
+
+/// Why there is no solution.
+#[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// The matrix of the direct solver would not fit.
+    #[error(
+        "factoring {n} patches directly takes {needed} bytes, more than the {limit} allowed; raise --memory, or use --solver cg"
+    )]
+    Memory {
+        /// Number of patches.
+        n: usize,
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes allowed.
+        limit: u64,
+    },
+    /// The symmetric matrix turned out not to be positive definite.
+    #[error(
+        "the matrix is singular to working precision at patch {patch}; some reflectance is too close to 1 for a scene so closed"
+    )]
+    Singular {
+        /// The patch at which factorization stopped.
+        patch: usize,
+    },
+    /// The tolerance was not met.
+    #[error(
+        "{} did not reach residual {tolerance:.1e} in {} iterations (it stands at {:.1e}); raise --tolerance, or use --solver direct",
+        best.report.name, best.report.iterations, best.report.residual
+    )]
+    NotConverged {
+        /// The best that was found.
+        best: Box<Solution>,
+        /// What was asked for.
+        tolerance: f64,
+    },
+    /// The observer asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// One fixed-point step from radiance `l`: the irradiance it causes, and the radiance that this irradiance causes.
+fn bounce(k: &Transport, e: &DMatrix<f64>, l: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
+    let irradiance = k.irradiance(l);
+    let radiance = e + k.reflect(&irradiance);
+    (irradiance, radiance)
+}
+
+/// Makes a solution of a radiance that is all but solved: takes one more step, so that radiance and irradiance belong
+/// together row by row, and judges what comes out by its true residual.
+fn finish(
+    k: &Transport,
+    e: &DMatrix<f64>,
+    radiance: &DMatrix<f64>,
+    (name, iterations): (&'static str, usize),
+    amplification: &Amplification,
+) -> Solution {
+    let (irradiance, radiance) = bounce(k, e, radiance);
+    let (_, next) = bounce(k, e, &radiance);
+    let report = judge(name, iterations, e, &radiance, &(next - &radiance), amplification);
+    Solution { radiance, irradiance, report }
+}
+
+/// Judges radiance `l` by its residual r = E − (I − K)L.
+fn judge(
+    name: &'static str,
+    iterations: usize,
+    e: &DMatrix<f64>,
+    l: &DMatrix<f64>,
+    r: &DMatrix<f64>,
+    amplification: &Amplification,
+) -> Report {
+    let bound = (0..e.ncols())
+        .map(|c| relative(amplification.of(c) * r.column(c).amax(), l.column(c).amax()))
+        .fold(0.0, f64::max);
+    Report { name, iterations, residual: relative_residual(r, e), bound, condition: amplification.condition() }
+}
+
+/// max over channels of ‖r‖∞ / ‖e‖∞.
+fn relative_residual(r: &DMatrix<f64>, e: &DMatrix<f64>) -> f64 {
+    (0..e.ncols()).map(|c| relative(r.column(c).amax(), e.column(c).amax())).fold(0.0, f64::max)
+}
+
+/// a / b, where nothing of nothing is nothing.
+fn relative(a: f64, b: f64) -> f64 {
+    if a == 0.0 { 0.0 } else { a / b }
+}

@@ -1,0 +1,118 @@
+//! The Neumann series L = E + KE + K²E + …: light, bounce by bounce.
+
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
+
+use super::{Amplification, CgOptions, Report, Solution, SolveError, bounce, judge};
+use crate::progress::Progress;
+use crate::transport::Transport;
+
+/// Where to truncate the series.
+#[derive(Clone, Copy, Debug)]
+pub struct NeumannOptions<'a> {
+    /// The highest order: the series ends with KᵏE for this k at the latest.
+    pub order: usize,
+    /// Relative residual ‖E − (I − K)L‖∞ / ‖E‖∞ at which it ends before; 0 for an exact number of orders.
+    pub tolerance: f64,
+    /// The operator's amplification where it is known already; else it is bounded first, by conjugate gradients.
+    pub amplification: Option<&'a Amplification>,
+    /// Where to report progress, as stage `series`.
+    pub progress: Progress<'a>,
+}
+
+impl Default for NeumannOptions<'_> {
+    /// A residual of 10⁻⁶, order 1000 at most.
+    fn default() -> Self {
+        Self { order: 1000, tolerance: 1e-6, amplification: None, progress: Progress::default() }
+    }
+}
+
+/// What one order adds, and how far the sum then is from the end.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Bounce {
+    /// k.
+    pub order: usize,
+    /// Radiant flux that KᵏE adds, π Σ A KᵏE per channel, in units of W·m⁻² times the area unit of the operator.
+    pub flux: Vec<f64>,
+    /// Relative residual of the sum up to here.
+    pub residual: f64,
+    /// *Guaranteed* bound on ‖error‖∞ / ‖L‖∞ of the sum up to here.
+    pub bound: f64,
+}
+
+/// A truncated series.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// The sum up to the last order.
+    pub solution: Solution,
+    /// Every order, from 0.
+    pub bounces: Vec<Bounce>,
+}
+
+impl Series {
+    /// The order at which the series was truncated.
+    pub fn order(&self) -> usize {
+        self.bounces.len() - 1
+    }
+}
+
+/// Sums the series until the residual is small enough or the highest order is reached; either is success.
+///
+/// The bound of order k is the smaller of q/(1−q)·‖L_k − L_{k−1}‖∞ with q = ‖K‖∞, and ‖r_k‖∞·max w ([`Amplification`]).
+///
+/// # Errors
+/// `Cancelled`.
+///
+/// # Panics
+/// If `e` is not n × c.
+pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Result<Series, SolveError> {
+    assert_eq!(e.shape(), (k.len(), k.channels()), "the right-hand side is n × c");
+    let own;
+    let amplification = match options.amplification {
+        Some(known) => known,
+        None => {
+            own = Amplification::new(k, &CgOptions { progress: options.progress, ..Default::default() })?;
+            &own
+        }
+    };
+    let norm = k.norm();
+    let flux = |l: &DMatrix<f64>| l.column_iter().map(|column| PI * k.mass().dot(&column)).collect();
+    let mut radiance = e.clone();
+    let mut irradiance = DMatrix::zeros(k.len(), k.channels());
+    let mut added = e.clone();
+    let mut bounces: Vec<Bounce> = Vec::new();
+    let report = loop {
+        // The step to the next order is the residual of this one.
+        let (next_irradiance, next) = bounce(k, e, &radiance);
+        let residual = &next - &radiance;
+        let mut report: Report = judge("neumann", bounces.len(), e, &radiance, &residual, amplification);
+        report.bound = report.bound.min(tail_bound(&norm, &added, &radiance));
+        let order = bounces.len();
+        bounces.push(Bounce { order, flux: flux(&added), residual: report.residual, bound: report.bound });
+        if report.residual <= options.tolerance || order >= options.order {
+            break report;
+        }
+        let done = progress_made(bounces[0].residual, report.residual, options.tolerance);
+        options.progress.at("series", done.max(order as f64 / options.order as f64))?;
+        added = residual;
+        (radiance, irradiance) = (next, next_irradiance);
+    };
+    options.progress.at("series", 1.0)?;
+    Ok(Series { solution: Solution { radiance, irradiance, report }, bounces })
+}
+
+/// q/(1−q)·‖L_k − L_{k−1}‖∞ / ‖L_k‖∞, the largest over channels; infinite where q = 1.
+fn tail_bound(norm: &[f64], added: &DMatrix<f64>, sum: &DMatrix<f64>) -> f64 {
+    let of = |c: usize| match (added.column(c).amax(), norm[c]) {
+        (0.0, _) => 0.0,
+        (_, q) if q >= 1.0 => f64::INFINITY,
+        (step, q) => q / (1.0 - q) * step / sum.column(c).amax(),
+    };
+    (0..norm.len()).map(of).fold(0.0, f64::max)
+}
+
+/// How far the residual has come from its first value to the tolerance, on a logarithmic scale.
+fn progress_made(first: f64, now: f64, tolerance: f64) -> f64 {
+    if tolerance > 0.0 && first > tolerance { ((first / now).ln() / (first / tolerance).ln()).clamp(0.0, 0.99) } else { 0.0 }
+}

@@ -1,0 +1,184 @@
+//! Balance: the positive diagonal D for which D T D closes.
+//!
+//! Wanted is D_i ((T D)_i + e_i) = a_i for every row: with x = ln D that is the stationary point of the convex
+//!
+//! f(x) = ½ Σ T_ij exp(x_i + x_j) + Σ e_i exp(x_i) − Σ a_i x_i,
+//!
+//! found by Newton's method, each step by conjugate gradients (after Knight & Ruiz 2013). Alternate scaling of rows and
+//! columns would need thousands of passes in a flat box; Newton needs about ten steps of a few passes.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::exchange::Storage;
+use crate::progress::{Cancelled, Progress};
+
+/// How far rows are from summing to their patch's area, as the largest relative difference.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Closure {
+    /// With the symmetric but unscaled matrix.
+    pub before: f64,
+    /// With the scaled one.
+    pub after: f64,
+    /// Passes over the matrix.
+    pub iterations: usize,
+}
+
+/// Rows are closed when they are off by less than this, relative to their area.
+const CLOSED: f64 = 2e-14;
+
+/// Passes over the matrix after which a scaling that has not been found is held not to exist.
+const MOST_PASSES: usize = 2000;
+
+/// One set of scales and how far it is from closing.
+struct State {
+    log_scale: DVector<f64>,
+    scale: DVector<f64>,
+    /// a_i − D_i ((T D)_i + e_i), what row i lacks.
+    lack: DVector<f64>,
+    /// The largest |lack| relative to the row's target.
+    error: f64,
+    /// f(x), the convex function that is least where all rows close.
+    value: f64,
+}
+
+struct Problem<'a> {
+    storage: &'a Storage,
+    escape: &'a DVector<f64>,
+    target: &'a DVector<f64>,
+    passes: usize,
+}
+
+impl Problem<'_> {
+    /// diag(d) T diag(d) x
+    fn scaled(&mut self, d: &DVector<f64>, x: &DVector<f64>) -> DVector<f64> {
+        self.passes += 1;
+        let x = DMatrix::from_column_slice(x.len(), 1, x.component_mul(d).as_slice());
+        let mut y = DMatrix::zeros(x.nrows(), 1);
+        self.storage.multiply(&x, &mut y);
+        DVector::from_column_slice(y.as_slice()).component_mul(d)
+    }
+
+    fn state(&mut self, log_scale: DVector<f64>) -> State {
+        let n = log_scale.len();
+        let scale = log_scale.map(f64::exp);
+        let sums = self.scaled(&scale, &DVector::repeat(n, 1.0));
+        let escape = self.escape.component_mul(&scale);
+        let lack = self.target - &sums - &escape;
+        let error = (0..n).map(|i| lack[i].abs() / self.target[i]).fold(0.0, f64::max);
+        let value = 0.5 * sums.sum() + escape.sum() - self.target.dot(&log_scale);
+        State { log_scale, scale, lack, error, value }
+    }
+
+    /// Solves H δ = lack with H = diag(a − lack) + D T D by conjugate gradients, preconditioned by its first term.
+    fn newton_step(&mut self, at: &State) -> DVector<f64> {
+        let diagonal = self.target - &at.lack;
+        let precondition = |r: &DVector<f64>| r.component_div(&diagonal);
+        let (mut step, mut r) = (DVector::zeros(at.lack.len()), at.lack.clone());
+        let mut z = precondition(&r);
+        let mut p = z.clone();
+        let mut rz = r.dot(&z);
+        // As precise as the step is worth: the nearer the goal, the more.
+        let enough = rz * at.error.clamp(1e-4, 0.1).powi(2);
+        for _ in 0..200 {
+            if rz <= enough || self.passes >= MOST_PASSES {
+                break;
+            }
+            let h_p = diagonal.component_mul(&p) + self.scaled(&at.scale, &p);
+            let alpha = rz / p.dot(&h_p);
+            step.axpy(alpha, &p, 1.0);
+            r.axpy(-alpha, &h_p, 1.0);
+            z = precondition(&r);
+            let next = r.dot(&z);
+            p = &z + &p * (next / rz);
+            rz = next;
+        }
+        step
+    }
+}
+
+/// Finds D; where there is none, answers the best that was seen, made such that no row exceeds its target.
+pub(super) fn balance(
+    storage: &Storage,
+    escape: &DVector<f64>,
+    target: &DVector<f64>,
+    progress: Progress,
+) -> Result<(DVector<f64>, Closure), Cancelled> {
+    let mut problem = Problem { storage, escape, target, passes: 0 };
+    let mut now = problem.state(DVector::zeros(target.len()));
+    let before = now.error;
+    while now.error > CLOSED && problem.passes < MOST_PASSES {
+        progress.at("balance", (now.error.ln() / CLOSED.ln()).clamp(0.0, 0.99))?;
+        let step = problem.newton_step(&now);
+        match advance(&mut problem, &now, &step) {
+            Some(next) => now = next,
+            None => break,
+        }
+    }
+    let mut scale = now.scale;
+    if now.error > 1e-9 {
+        // No scaling exists, or none was found. Rows may lack something, but must not give out more than they get.
+        let excess = (0..target.len()).map(|i| (target[i] - now.lack[i]) / target[i]).fold(1.0, f64::max);
+        scale /= excess.sqrt().max(excess);
+        now = problem.state(scale.map(f64::ln));
+    }
+    let closure = Closure { before, after: now.error, iterations: problem.passes };
+    progress.at("balance", 1.0)?;
+    Ok((scale, closure))
+}
+
+/// Goes along `step` as far as that helps; nothing if it does not.
+fn advance(problem: &mut Problem, from: &State, step: &DVector<f64>) -> Option<State> {
+    // exp() is trusted for factors up to e a step.
+    let mut length = 1.0f64.min(1.0 / step.amax().max(1e-300));
+    for _ in 0..30 {
+        let next = problem.state(&from.log_scale + step * length);
+        let slope = from.lack.dot(step) * length;
+        // Far from the goal f must fall by a part of its slope; near it f is all rounding and the error itself must fall.
+        let falls = next.value <= from.value - 1e-4 * slope;
+        if next.value.is_finite() && (next.error < from.error || falls && from.error > 1e-6) {
+            return Some(next);
+        }
+        length *= 0.5;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn balance_dense(m: DMatrix<f64>, escape: &[f64], target: &[f64]) -> (DMatrix<f64>, DVector<f64>, Closure) {
+        let storage = Storage::Dense(m.map(|x| x as f32));
+        let (escape, target) = (DVector::from_row_slice(escape), DVector::from_row_slice(target));
+        let (d, closure) = balance(&storage, &escape, &target, Progress::default()).unwrap();
+        let scaled = DMatrix::from_fn(d.len(), d.len(), |i, j| d[i] * d[j] * f64::from(m[(i, j)] as f32));
+        (scaled, d.component_mul(&escape), closure)
+    }
+
+    #[test]
+    fn rows_close_to_their_targets() {
+        let m = DMatrix::from_row_slice(3, 3, &[0.0, 1.0, 2.0, 1.0, 0.0, 0.5, 2.0, 0.5, 0.0]);
+        let target = [2.0, 1.5, 2.6];
+        let (scaled, escape, closure) = balance_dense(m, &[0.1, 0.0, 0.4], &target);
+        for i in 0..3 {
+            assert!((scaled.row(i).sum() + escape[i] - target[i]).abs() < 1e-13 * target[i]);
+        }
+        assert!(closure.after < 1e-13 && closure.before > 0.1);
+    }
+
+    #[test]
+    fn two_unequal_plates_close_by_what_escapes_between_them() {
+        let m = DMatrix::from_row_slice(2, 2, &[0.0, 0.2, 0.2, 0.0]);
+        let (scaled, escape, closure) = balance_dense(m, &[0.8, 1.8], &[1.0, 2.1]);
+        assert!(closure.after < 1e-13);
+        assert!((scaled[(0, 1)] + escape[0] - 1.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn without_a_solution_the_error_is_told_and_no_row_exceeds_its_target() {
+        let m = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, 1.0, 0.0]);
+        let (scaled, _, closure) = balance_dense(m, &[0.0, 0.0], &[1.0, 2.0]);
+        assert!(closure.after > 0.1);
+        assert!(scaled.row(0).sum() <= 1.0 + 1e-12 && scaled.row(1).sum() <= 2.0 + 1e-12);
+    }
+}

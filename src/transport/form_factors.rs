@@ -1,0 +1,110 @@
+//! Form factors: F_ij, the fraction of what patch i sends out that lands on patch j.
+
+use super::exchange::{Exchange, StorageKind};
+use super::rays::{BATCHES, Landings};
+use super::TransportError;
+use crate::patches::Patches;
+use crate::progress::Progress;
+use crate::trace::{Tracer, sampling};
+
+/// How to trace form factors.
+#[derive(Clone, Copy, Debug)]
+pub struct TraceOptions<'a> {
+    /// Rays per patch, rounded up to a multiple of 8. Noise falls about as rays^-0.6, time grows in proportion.
+    pub rays: u32,
+    /// Number of the random sequence. The same seed gives the same bits.
+    pub seed: u64,
+    /// How to store exchange areas.
+    pub storage: StorageKind,
+    /// The most bytes the exchange areas may take.
+    pub memory: u64,
+    /// Where to report progress, as stages `trace` and `balance`.
+    pub progress: Progress<'a>,
+}
+
+impl Default for TraceOptions<'_> {
+    /// 512 rays per patch, the smaller storage, 4 GiB.
+    fn default() -> Self {
+        Self { rays: 512, seed: 0, storage: StorageKind::Auto, memory: 4 << 30, progress: Progress::default() }
+    }
+}
+
+/// The form factors between patches: geometry, without reflectances and sources.
+#[derive(Clone, Debug)]
+pub struct FormFactors {
+    exchange: Exchange,
+    rays: u32,
+}
+
+impl FormFactors {
+    /// Traces form factors by cosine-distributed rays and balances them.
+    ///
+    /// Sides that no probe found but a ray now lands on are added to `patches`.
+    ///
+    /// # Errors
+    /// `Rays`, `Dark`, `Memory` or `Cancelled`.
+    pub fn trace(
+        tracer: &Tracer,
+        patches: &mut Patches,
+        options: &TraceOptions,
+    ) -> Result<Self, TransportError> {
+        let most = BATCHES * sampling::SEQUENCE_END;
+        if !(BATCHES..=most).contains(&options.rays) {
+            return Err(TransportError::Rays { rays: options.rays, most });
+        }
+        if patches.is_empty() {
+            return Err(TransportError::Dark);
+        }
+        let rays = options.rays.next_multiple_of(BATCHES);
+        options.progress.at("trace", 0.0)?;
+        check_memory(patches.len() as u64, rays as u64, options)?;
+        let landings = Landings::trace(tracer, patches, rays, options.seed, options.progress)?;
+        options.progress.at("balance", 0.0)?;
+        let exchange = Exchange::from_landings(&landings, patches.areas(), options.storage, options.progress)?;
+        Ok(Self { exchange, rays })
+    }
+
+    /// Symmetric exchange areas S_ij = A_i F_ij, normalised frame.
+    pub fn exchange(&self) -> &Exchange {
+        &self.exchange
+    }
+
+    /// Rays per patch.
+    pub fn rays(&self) -> u32 {
+        self.rays
+    }
+
+    /// Number of patches n.
+    pub fn len(&self) -> usize {
+        self.exchange.len()
+    }
+
+    /// Whether there are no patches.
+    pub fn is_empty(&self) -> bool {
+        self.exchange.is_empty()
+    }
+}
+
+impl From<Exchange> for FormFactors {
+    /// Form factors that come from elsewhere than rays.
+    fn from(exchange: Exchange) -> Self {
+        Self { exchange, rays: 0 }
+    }
+}
+
+/// Refuses what would not fit, before any time is spent on it.
+fn check_memory(n: u64, rays: u64, options: &TraceOptions) -> Result<(), TransportError> {
+    // Landings, 4 bytes each twice over while they are sorted; at most two entries of 8 bytes a landing while a
+    // sparse matrix is put together.
+    let (dense, sparse) = (4 * n * n, 16 * n * rays.min(n));
+    let matrix = match options.storage {
+        StorageKind::Dense => dense,
+        StorageKind::Sparse => sparse,
+        StorageKind::Auto => dense.min(sparse),
+    };
+    let needed = matrix + 8 * n * rays;
+    if needed > options.memory {
+        return Err(TransportError::Memory { what: "the form factors", needed, limit: options.memory });
+    }
+    Ok(())
+}

@@ -1,0 +1,62 @@
+//! Transport: form factors, exchange areas and the operator K = diag(ρ) F.
+//!
+//! [`FormFactors`] are geometry only: which fraction of what a patch sends out lands on each other patch. [`Transport`] adds
+//! the reflectances and is the operator that the solvers invert. The two stay apart so that other reflectances,
+//! lamps and lamp powers cost no rays.
+
+mod balance;
+mod exchange;
+mod form_factors;
+mod operator;
+mod plan;
+mod rays;
+mod solvable;
+
+pub use balance::Closure;
+pub use exchange::{Exchange, Storage, StorageKind};
+pub use form_factors::{FormFactors, TraceOptions};
+pub use operator::Transport;
+pub use plan::{Effect, Plan};
+
+use crate::progress::Cancelled;
+
+/// Why an operator could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TransportError {
+    /// The number of rays does not fit the random sequences.
+    #[error("{rays} rays per patch: choose between 8 and {most}")]
+    Rays {
+        /// The wanted number.
+        rays: u32,
+        /// The greatest possible number.
+        most: u32,
+    },
+    /// Light reaches nothing, so there is nothing to solve.
+    #[error("no patch is reached by light; does a lamp's front face into the scene?")]
+    Dark,
+    /// The matrix would not fit.
+    #[error(
+        "{what} would take {needed} bytes, more than the {limit} allowed; raise --memory, or use fewer patches or rays"
+    )]
+    Memory {
+        /// What it is that does not fit.
+        what: &'static str,
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes allowed.
+        limit: u64,
+    },
+    /// Light could never leave or be absorbed.
+    #[error(
+        "light is trapped: {} reflect everything and nothing they see absorbs or lets light out; lower a reflectance (Kd) below 1 or open the scene",
+        materials.join(", ")
+    )]
+    Unsolvable {
+        /// The materials of the closed set of patches that loses nothing.
+        materials: Vec<String>,
+    },
+    /// The observer asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}

@@ -1,0 +1,113 @@
+//! The transport operator K = diag(ρ) F, one bounce of light.
+
+use std::f64::consts::PI;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::exchange::Exchange;
+use super::{FormFactors, TransportError, solvable};
+use crate::patches::Patches;
+
+/// The transport operator K: form factors with a reflectance for every patch and channel.
+#[derive(Clone, Debug)]
+pub struct Transport<'f> {
+    exchange: &'f Exchange,
+    /// ρ, n × c.
+    reflectance: DMatrix<f64>,
+}
+
+impl<'f> Transport<'f> {
+    /// Joins form factors and reflectances ρ (n × c, each 0 to 1).
+    ///
+    /// # Errors
+    /// `Unsolvable` if some set of patches sees only itself and reflects everything; the sets' patches are named by number.
+    ///
+    /// # Panics
+    /// If `reflectance` has not n rows or a value lies outside 0 to 1.
+    pub fn new(factors: &'f FormFactors, reflectance: DMatrix<f64>) -> Result<Self, TransportError> {
+        Self::named(factors, reflectance, |i| format!("patch {i}"))
+    }
+
+    /// The operator of a scene's own reflectances.
+    ///
+    /// # Errors
+    /// `Unsolvable`, naming the materials of a set of patches that sees only itself and reflects everything.
+    pub fn of(factors: &'f FormFactors, patches: &Patches) -> Result<Self, TransportError> {
+        let name = |i: usize| patches.scene().material_of(patches.place(i).face).name.clone();
+        Self::named(factors, patches.reflectances(), name)
+    }
+
+    fn named(
+        factors: &'f FormFactors,
+        reflectance: DMatrix<f64>,
+        name: impl Fn(usize) -> String,
+    ) -> Result<Self, TransportError> {
+        assert_eq!(reflectance.nrows(), factors.len(), "one row per patch");
+        assert!(reflectance.iter().all(|r| (0.0..=1.0).contains(r)), "reflectances lie between 0 and 1");
+        let exchange = factors.exchange();
+        if let Some(trapped) = solvable::trapped(exchange, &reflectance) {
+            let mut materials: Vec<String> = trapped.into_iter().map(name).collect();
+            materials.sort();
+            materials.dedup();
+            return Err(TransportError::Unsolvable { materials });
+        }
+        Ok(Self { exchange, reflectance })
+    }
+
+    /// Number of unknowns n.
+    pub fn len(&self) -> usize {
+        self.exchange.len()
+    }
+
+    /// Whether there are no unknowns.
+    pub fn is_empty(&self) -> bool {
+        self.exchange.is_empty()
+    }
+
+    /// Number of channels c.
+    pub fn channels(&self) -> usize {
+        self.reflectance.ncols()
+    }
+
+    /// Exchange areas S.
+    pub fn exchange(&self) -> &'f Exchange {
+        self.exchange
+    }
+
+    /// Areas A, the mass of constant elements, normalised frame.
+    pub fn mass(&self) -> &DVector<f64> {
+        self.exchange.areas()
+    }
+
+    /// Reflectances ρ, n × c.
+    pub fn reflectance(&self) -> &DMatrix<f64> {
+        &self.reflectance
+    }
+
+    /// Irradiance H = π F L of radiance L, n × c, W·m⁻².
+    pub fn irradiance(&self, radiance: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut irradiance = DMatrix::zeros(self.len(), self.channels());
+        self.exchange.apply(radiance, &mut irradiance);
+        for mut column in irradiance.column_iter_mut() {
+            column.zip_apply(self.mass(), |h, area| *h *= PI / area);
+        }
+        irradiance
+    }
+
+    /// Reflected radiance ρ H / π of irradiance H, n × c: the one place where surfaces turn what arrives into what leaves.
+    pub fn reflect(&self, irradiance: &DMatrix<f64>) -> DMatrix<f64> {
+        irradiance.zip_map(&self.reflectance, |h, rho| rho * h / PI)
+    }
+
+    /// y ← K x, overwriting y; n × c.
+    pub fn apply(&self, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
+        y.copy_from(&self.reflect(&self.irradiance(x)));
+    }
+
+    /// ‖K‖∞ per channel: the largest share of what arrives anywhere that goes on.
+    pub fn norm(&self) -> Vec<f64> {
+        let mut sums = DMatrix::zeros(self.len(), self.channels());
+        self.apply(&DMatrix::repeat(self.len(), self.channels(), 1.0), &mut sums);
+        sums.column_iter().map(|column| column.amax()).collect()
+    }
+}

@@ -1,0 +1,70 @@
+//! Plan: which effects a scene calls for, and which of them are simulated.
+
+use serde::Serialize;
+
+use crate::scene::{Scene, Surface};
+
+/// One effect: whether it is simulated, and why.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Effect {
+    /// Its name, such as `interreflection`.
+    pub effect: &'static str,
+    /// Whether it is simulated.
+    pub on: bool,
+    /// Why, in a few words.
+    pub reason: String,
+}
+
+/// What a run simulates.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Plan {
+    /// All effects, simulated or not.
+    pub effects: Vec<Effect>,
+}
+
+impl Plan {
+    /// Reads the scene and decides.
+    pub fn new(scene: &Scene) -> Self {
+        let effect = |effect, on, reason: &str| Effect { effect, on, reason: reason.to_owned() };
+        let reflects = scene.materials().iter().any(|m| m.reflects());
+        let called_for = |effect, what: &str, wants: &dyn Fn(usize) -> bool| {
+            let names: Vec<&str> = scene
+                .materials()
+                .iter()
+                .enumerate()
+                .filter(|&(k, _)| wants(k))
+                .map(|(_, m)| m.name.as_str())
+                .collect();
+            let reason = match names.len() {
+                0 => format!("no {what}"),
+                _ => format!("not simulated yet; taken as diffuse: {}", names.join(", ")),
+            };
+            Effect { effect, on: false, reason }
+        };
+        let surface = |kind: Surface| move |k: usize| scene.materials()[k].surface == kind;
+        Self {
+            effects: vec![
+                effect(
+                    "interreflection",
+                    reflects,
+                    if reflects { "some surfaces reflect" } else { "every surface is black" },
+                ),
+                effect(
+                    "colour",
+                    scene.channels() > 1,
+                    if scene.channels() > 1 { "channels differ" } else { "all channels agree: one is solved" },
+                ),
+                called_for("mirror", "mirror", &surface(Surface::Mirror)),
+                called_for("dielectric", "glass or water", &surface(Surface::Dielectric)),
+                called_for("gloss", "rough conductor or plastic", &surface(Surface::Glossy)),
+                called_for("textures", "texture", &|k| scene.materials()[k].textured),
+            ],
+        }
+    }
+
+    /// The effects that the scene calls for and that are not simulated.
+    pub fn missing(&self) -> impl Iterator<Item = &Effect> {
+        self.effects.iter().filter(|e| !e.on && e.reason.starts_with("not simulated"))
+    }
+}
