@@ -1,3 +1,4 @@
+pub mod output;
 pub mod patches;
 pub mod progress;
 pub mod scene;
