@@ -1,4 +1,5 @@
 pub mod measure;
+pub mod output;
 pub mod patches;
 pub mod progress;
 pub mod scene;

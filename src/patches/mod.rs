@@ -22,7 +22,8 @@ pub use subdivide::Barycentrics;
 /// How finely to cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PatchSize {
-    /// About so many patches in all; faces are never merged, so a mesh of many faces has at least as many patches.
+    /// About so many patches in all. Faces are never merged, so a mesh of many faces has at least as many patches; even then
+    /// half the count goes to cutting its larger faces.
     Count(usize),
     /// No leg of a patch longer than this, metres.
     Edge(f64),
@@ -352,18 +353,17 @@ fn edge_for(tracer: &Tracer, count: usize, share: impl Fn(usize) -> [f64; 2]) ->
         .map(|f| (f, share(f).iter().sum::<f64>()))
         .filter(|&(_, share)| share > 0.0)
         .collect();
+    let whole: f64 = faces.iter().map(|&(_, share)| share).sum();
+    let goal = (count as f64).max(whole + 0.5 * count as f64);
     let reached = |edge: f64| -> f64 {
         faces.iter().map(|&(f, share)| share * subdivide::cells_for(tracer.corners(f), edge) as f64).sum()
     };
     // Bisect on a logarithmic scale; the count falls in steps as the edge grows.
-    let (mut fine, mut coarse) = (1e-6, 4.0);
-    if reached(coarse) >= count as f64 {
-        return coarse;
-    }
+    let (mut fine, mut coarse) = (1e-6f64, 4.0);
     while coarse / fine > 1.001 {
-        let edge = (fine * coarse as f64).sqrt();
-        if reached(edge) > count as f64 { fine = edge } else { coarse = edge }
+        let edge = (fine * coarse).sqrt();
+        if reached(edge) > goal { fine = edge } else { coarse = edge }
     }
-    let off = |edge: f64| (reached(edge) / count as f64).ln().abs();
+    let off = |edge: f64| (reached(edge) / goal).ln().abs();
     if off(fine) < off(coarse) { fine } else { coarse }
 }

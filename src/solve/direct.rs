@@ -92,6 +92,15 @@ impl Direct<'_> {
     }
 }
 
+/// Whether the direct solver fits into `memory` and takes no more than a second or two.
+pub(super) fn is_quick(k: &Transport, memory: u64) -> bool {
+    // n³/3 multiplications and additions a factor; two cores do some 10¹¹ of these a second.
+    const QUICK: f64 = 1.2e11;
+    let n = k.len() as f64;
+    let factors = distinct_channels(k.reflectance()).1.len() as f64;
+    factors * n.powi(3) / 3.0 < QUICK && factors * 8.0 * n * n <= memory as f64
+}
+
 /// For each channel the index of its factor, and for each factor its first channel.
 fn distinct_channels(reflectance: &DMatrix<f64>) -> (Vec<usize>, Vec<usize>) {
     let mut distinct: Vec<usize> = Vec::new();

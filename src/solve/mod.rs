@@ -20,7 +20,7 @@ pub use conjugate_gradient::{CgOptions, conjugate_gradients};
 pub use direct::{Direct, DirectOptions, direct};
 pub use neumann::{Bounce, NeumannOptions, Series, neumann};
 
-use crate::progress::Cancelled;
+use crate::progress::{Cancelled, Progress};
 use crate::transport::Transport;
 
 /// Radiance and irradiance of every patch, and how good they are.
@@ -87,6 +87,65 @@ pub enum SolveError {
     /// The observer asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+/// Which solver to take.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Direct where its factors fit and take a second or two, else conjugate gradients.
+    #[default]
+    Auto,
+    /// [`direct()`].
+    Direct,
+    /// [`conjugate_gradients`].
+    ConjugateGradients,
+    /// [`neumann`].
+    Neumann,
+}
+
+/// What every solver can be asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct SolveOptions<'a> {
+    /// Which solver to take.
+    pub method: Method,
+    /// Relative residual of the iterative ones.
+    pub tolerance: f64,
+    /// The highest order of the series.
+    pub order: usize,
+    /// The most bytes the direct solver's factors may take.
+    pub memory: u64,
+    /// Where to report progress.
+    pub progress: Progress<'a>,
+}
+
+impl Default for SolveOptions<'_> {
+    /// The automatic choice, a residual of 10⁻⁶, order 1000, 4 GiB.
+    fn default() -> Self {
+        let (NeumannOptions { order, tolerance, .. }, DirectOptions { memory, .. }) = Default::default();
+        Self { method: Method::Auto, tolerance, order, memory, progress: Progress::default() }
+    }
+}
+
+/// Solves L = E + K L by the method of the options.
+///
+/// # Errors
+/// As the solver's own.
+///
+/// # Panics
+/// If `e` is not n × c.
+pub fn solve(k: &Transport, e: &DMatrix<f64>, options: &SolveOptions) -> Result<Solution, SolveError> {
+    let &SolveOptions { tolerance, order, memory, progress, .. } = options;
+    let cg = || conjugate_gradients(k, e, &CgOptions { tolerance, progress, ..Default::default() });
+    match options.method {
+        Method::Neumann => Ok(neumann(k, e, &NeumannOptions { order, tolerance, progress })?.solution),
+        Method::Auto if !direct::is_quick(k, memory) => cg(),
+        Method::ConjugateGradients => cg(),
+        Method::Auto | Method::Direct => {
+            let factored = direct(k, &DirectOptions { memory, progress })?;
+            progress.at("solve", 0.0)?;
+            Ok(factored.solve(e))
+        }
+    }
 }
 
 /// One fixed-point step from radiance `l`: the irradiance it causes, and the radiance that this irradiance causes.

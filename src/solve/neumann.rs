@@ -15,8 +15,6 @@ pub struct NeumannOptions<'a> {
     pub order: usize,
     /// Relative residual ‖E − (I − K)L‖∞ / ‖E‖∞ at which it ends before; 0 for an exact number of orders.
     pub tolerance: f64,
-    /// The operator's amplification where it is known already; else it is bounded first, by conjugate gradients.
-    pub amplification: Option<&'a Amplification>,
     /// Where to report progress, as stage `series`.
     pub progress: Progress<'a>,
 }
@@ -24,7 +22,7 @@ pub struct NeumannOptions<'a> {
 impl Default for NeumannOptions<'_> {
     /// A residual of 10⁻⁶, order 1000 at most.
     fn default() -> Self {
-        Self { order: 1000, tolerance: 1e-6, amplification: None, progress: Progress::default() }
+        Self { order: 1000, tolerance: 1e-6, progress: Progress::default() }
     }
 }
 
@@ -68,14 +66,7 @@ impl Series {
 /// If `e` is not n × c.
 pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Result<Series, SolveError> {
     assert_eq!(e.shape(), (k.len(), k.channels()), "the right-hand side is n × c");
-    let own;
-    let amplification = match options.amplification {
-        Some(known) => known,
-        None => {
-            own = Amplification::new(k, &CgOptions { progress: options.progress, ..Default::default() })?;
-            &own
-        }
-    };
+    let amplification = Amplification::new(k, &CgOptions::default())?;
     let norm = k.norm();
     let flux = |l: &DMatrix<f64>| l.column_iter().map(|column| PI * k.mass().dot(&column)).collect();
     let mut radiance = e.clone();
@@ -86,7 +77,7 @@ pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Res
         // The step to the next order is the residual of this one.
         let (next_irradiance, next) = bounce(k, e, &radiance);
         let residual = &next - &radiance;
-        let mut report: Report = judge("neumann", bounces.len(), e, &radiance, &residual, amplification);
+        let mut report: Report = judge("neumann", bounces.len(), e, &radiance, &residual, &amplification);
         report.bound = report.bound.min(tail_bound(&norm, &added, &radiance));
         let order = bounces.len();
         bounces.push(Bounce { order, flux: flux(&added), residual: report.residual, bound: report.bound });

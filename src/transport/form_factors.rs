@@ -10,8 +10,9 @@ use crate::trace::{Tracer, sampling};
 /// How to trace form factors.
 #[derive(Clone, Copy, Debug)]
 pub struct TraceOptions<'a> {
-    /// Rays per patch, rounded up to a multiple of 8. Noise falls about as rays^-0.6, time grows in proportion.
-    pub rays: u32,
+    /// Rays per patch, rounded up to a multiple of 8; `None` for [`TraceOptions::usual_rays`]. Noise falls about as
+    /// rays^-0.6, time grows in proportion.
+    pub rays: Option<u32>,
     /// Number of the random sequence. The same seed gives the same bits.
     pub seed: u64,
     /// How to store exchange areas.
@@ -23,9 +24,17 @@ pub struct TraceOptions<'a> {
 }
 
 impl Default for TraceOptions<'_> {
-    /// 512 rays per patch, the smaller storage, 4 GiB.
+    /// The usual rays, the smaller storage, 4 GiB.
     fn default() -> Self {
-        Self { rays: 512, seed: 0, storage: StorageKind::Auto, memory: 4 << 30, progress: Progress::default() }
+        Self { rays: None, seed: 0, storage: StorageKind::Auto, memory: 4 << 30, progress: Progress::default() }
+    }
+}
+
+impl TraceOptions<'_> {
+    /// Rays per patch where none are asked for: 512, and fewer from 8192 patches on, but never less than 64, for a face that is
+    /// cut into many patches averages their noise.
+    pub fn usual_rays(patches: usize) -> u32 {
+        ((1 << 22) / patches.max(1) as u32).clamp(64, 512).next_power_of_two()
     }
 }
 
@@ -49,13 +58,14 @@ impl FormFactors {
         options: &TraceOptions,
     ) -> Result<Self, TransportError> {
         let most = BATCHES * sampling::SEQUENCE_END;
-        if !(BATCHES..=most).contains(&options.rays) {
-            return Err(TransportError::Rays { rays: options.rays, most });
+        let rays = options.rays.unwrap_or(TraceOptions::usual_rays(patches.len()));
+        if !(BATCHES..=most).contains(&rays) {
+            return Err(TransportError::Rays { rays, most });
         }
         if patches.is_empty() {
             return Err(TransportError::Dark);
         }
-        let rays = options.rays.next_multiple_of(BATCHES);
+        let rays = rays.next_multiple_of(BATCHES);
         options.progress.at("trace", 0.0)?;
         check_memory(patches.len() as u64, rays as u64, options)?;
         let landings = Landings::trace(tracer, patches, rays, options.seed, options.progress)?;

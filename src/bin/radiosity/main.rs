@@ -1,1 +1,53 @@
-fn main() {}
+//! The command-line program: translates arguments, calls the library, prints.
+
+mod args;
+mod render;
+mod solve;
+mod terminal;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use terminal::Terminal;
+
+/// Diffuse global illumination as a matrix problem: L = (I − K)⁻¹E, directly and as the Neumann series
+/// E + KE + K²E + …
+///
+/// Reads Wavefront OBJ/MTL scenes (Kd: reflectance, Ke: emitted radiance of the front side, metres), cuts surfaces into
+/// patches, traces form factors between them and solves for the light on every patch.
+#[derive(Debug, Parser)]
+#[command(version, arg_required_else_help = true, subcommand_required = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Solve a scene: tables, a coloured mesh and a picture
+    Solve(solve::Args),
+    /// Make a picture of a scene
+    Render(render::Args),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let run = match &cli.command {
+        Command::Solve(args) => &args.run,
+        Command::Render(args) => &args.run,
+    };
+    let terminal = Terminal::new(run.quiet, run.json);
+    let done = run.set_up(&terminal).and_then(|()| match &cli.command {
+        Command::Solve(args) => solve::run(args, &terminal),
+        Command::Render(args) => render::run(args, &terminal),
+    });
+    terminal.clear();
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

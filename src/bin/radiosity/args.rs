@@ -1,0 +1,268 @@
+//! Arguments that several commands share, and what they mean to the library.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use radiosity::output::{self, Exposure, OutputError, Outlines, Picture, RenderOptions, Shading};
+use radiosity::patches::{PatchSize, Patches, Reach, Tessellation};
+use radiosity::progress::Progress;
+use radiosity::scene::{Camera, Scene, SceneError};
+use radiosity::solve::{Method, SolveOptions};
+use radiosity::trace::Tracer;
+use radiosity::transport::{StorageKind, TraceOptions};
+
+use crate::terminal::Terminal;
+
+/// Any error, ready to be printed.
+pub type Failure = Box<dyn std::error::Error>;
+
+/// What to read and where to write.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// OBJ file; a .toml beside it may set camera, unit and materials [default: the built-in Cornell box]
+    pub scene: Option<PathBuf>,
+
+    /// Folder for the results [default: out/<scene>]
+    #[arg(short, long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+}
+
+impl SceneArgs {
+    pub fn load(&self) -> Result<Scene, SceneError> {
+        match &self.scene {
+            Some(path) => Scene::load(path),
+            None => Ok(Scene::cornell_box()),
+        }
+    }
+
+    /// The folder for the results, made if it is not there.
+    pub fn folder(&self, scene: &Scene) -> Result<PathBuf, Failure> {
+        let folder = self.out.clone().unwrap_or_else(|| Path::new("out").join(scene.name()));
+        std::fs::create_dir_all(&folder)
+            .map_err(|e| format!("cannot make the folder {}: {e}; choose another with --out", folder.display()))?;
+        Ok(folder)
+    }
+}
+
+/// How finely to cut and trace.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Accuracy")]
+pub struct AccuracyArgs {
+    /// About how many patches (unknowns) to cut into
+    #[arg(long, value_name = "N", default_value_t = 4000, value_parser = positive)]
+    patches: usize,
+
+    /// Longest leg of a patch, metres; instead of --patches
+    #[arg(long, value_name = "METRES", conflicts_with = "patches", value_parser = positive_length)]
+    edge: Option<f64>,
+
+    /// Rays per patch [default: 512; from 8192 patches on fewer, but at least 64]
+    #[arg(long, value_name = "N")]
+    rays: Option<u32>,
+
+    /// How to store exchange areas
+    #[arg(long, value_enum, default_value_t = StorageArg::Auto)]
+    storage: StorageArg,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum StorageArg {
+    /// Whichever is smaller
+    Auto,
+    /// A full matrix
+    Dense,
+    /// Compressed rows
+    Sparse,
+}
+
+impl AccuracyArgs {
+    pub fn tessellation<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> Tessellation<'a> {
+        let size = match self.edge {
+            Some(metres) => PatchSize::Edge(metres),
+            None => PatchSize::Count(self.patches),
+        };
+        Tessellation { size, reach: Reach::Light, seed: run.seed, progress }
+    }
+
+    pub fn trace<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> TraceOptions<'a> {
+        let storage = match self.storage {
+            StorageArg::Auto => StorageKind::Auto,
+            StorageArg::Dense => StorageKind::Dense,
+            StorageArg::Sparse => StorageKind::Sparse,
+        };
+        TraceOptions { rays: self.rays, seed: run.seed, storage, memory: run.memory, progress }
+    }
+}
+
+/// How to solve.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Solver")]
+pub struct SolverArgs {
+    /// Solver; auto is direct where it takes a second or two, else cg
+    #[arg(long, value_enum, default_value_t = SolverArg::Auto)]
+    solver: SolverArg,
+
+    /// Highest order of the Neumann series
+    #[arg(long, value_name = "K", default_value_t = 1000)]
+    pub order: usize,
+
+    /// Relative residual ‖E − (I − K)L‖∞ / ‖E‖∞ at which iterations stop; 0 runs the series up to --order
+    #[arg(long, value_name = "T", default_value_t = 1e-6, value_parser = tolerance)]
+    pub tolerance: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum SolverArg {
+    Auto,
+    /// Cholesky factors
+    Direct,
+    /// The series, bounce by bounce
+    Neumann,
+    /// Conjugate gradients
+    Cg,
+}
+
+impl SolverArgs {
+    pub fn options<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> SolveOptions<'a> {
+        let method = match self.solver {
+            SolverArg::Auto => Method::Auto,
+            SolverArg::Direct => Method::Direct,
+            SolverArg::Neumann => Method::Neumann,
+            SolverArg::Cg => Method::ConjugateGradients,
+        };
+        // A tolerance of zero asks for exact orders of the series; no residual ever is.
+        let tolerance = if method == Method::Neumann { self.tolerance } else { self.tolerance.max(1e-13) };
+        SolveOptions { method, tolerance, order: self.order, memory: run.memory, progress }
+    }
+}
+
+/// What the picture looks like.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Picture")]
+pub struct PictureArgs {
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "800x600", value_parser = size)]
+    size: (usize, usize),
+
+    /// How radiance varies within a patch
+    #[arg(long, value_enum, default_value_t = ShadingArg::Smooth)]
+    shading: ShadingArg,
+
+    /// Draw the edges of patches
+    #[arg(long)]
+    outlines: bool,
+
+    /// Brightness: radiance times this is the share of white [default: automatic]
+    #[arg(long, value_name = "FACTOR", value_parser = positive_length)]
+    exposure: Option<f64>,
+
+    /// Also write image.exr, linear radiance
+    #[arg(long)]
+    exr: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ShadingArg {
+    /// The patches as they were solved
+    Flat,
+    /// Interpolated across smooth surfaces
+    Smooth,
+}
+
+impl PictureArgs {
+    pub fn options<'a>(&self, progress: Progress<'a>) -> RenderOptions<'a> {
+        let shading = match self.shading {
+            ShadingArg::Flat => Shading::Flat,
+            ShadingArg::Smooth => Shading::Smooth,
+        };
+        let outlines = if self.outlines { Outlines::Shown } else { Outlines::Hidden };
+        RenderOptions { width: self.size.0, height: self.size.1, shading, outlines, progress }
+    }
+
+    /// The scene's own camera, or one that sees into it.
+    pub fn camera(&self, tracer: &Tracer, patches: &Patches) -> Camera {
+        tracer.scene().camera().copied().unwrap_or_else(|| output::default_camera(tracer, patches))
+    }
+
+    pub fn exposure(&self, picture: &Picture) -> Exposure {
+        self.exposure.map_or_else(|| picture.exposure(), |factor| Exposure { factor })
+    }
+
+    /// Writes `image.png`, and `image.exr` if wanted; answers the names of the files.
+    pub fn save(&self, picture: &Picture, folder: &Path) -> Result<Vec<&'static str>, OutputError> {
+        picture.save_png(folder.join("image.png"), self.exposure(picture))?;
+        if !self.exr {
+            return Ok(vec!["image.png"]);
+        }
+        picture.save_exr(folder.join("image.exr"))?;
+        Ok(vec!["image.png", "image.exr"])
+    }
+}
+
+/// How to run.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Run")]
+pub struct RunArgs {
+    /// Number of the random sequences; the same seed gives the same bits
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u64,
+
+    /// Threads [default: one per core]
+    #[arg(long, value_name = "T", value_parser = positive)]
+    threads: Option<usize>,
+
+    /// Memory that the operator, and the factors of the direct solver, may take
+    #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = memory)]
+    pub memory: u64,
+
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+
+    /// Print the summary as JSON on standard output, and nothing else there
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl RunArgs {
+    /// Starts the threads, and makes Ctrl-C end the run at the next report of progress.
+    pub fn set_up(&self, terminal: &Terminal) -> Result<(), Failure> {
+        rayon::ThreadPoolBuilder::new().num_threads(self.threads.unwrap_or(0)).build_global()?;
+        terminal.stop_on_interrupt()?;
+        Ok(())
+    }
+}
+
+fn positive(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "must be a whole number above 0".into())
+}
+
+fn positive_length(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "must be a number above 0".into())
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x| (0.0..1.0).contains(x)).ok_or_else(|| "must lie between 0 and 1".into())
+}
+
+fn size(text: &str) -> Result<(usize, usize), String> {
+    let parsed = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    parsed.filter(|&(w, h)| w > 0 && h > 0).ok_or_else(|| "write it as 800x600".into())
+}
+
+fn memory(text: &str) -> Result<u64, String> {
+    let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    let unit: u64 = match &text[digits.len()..] {
+        "" | "B" => 1,
+        "KiB" => 1 << 10,
+        "MiB" => 1 << 20,
+        "GiB" => 1 << 30,
+        "TiB" => 1 << 40,
+        "kB" => 1_000,
+        "MB" => 1_000_000,
+        "GB" => 1_000_000_000,
+        _ => return Err("write it as 4GiB or 500MB".into()),
+    };
+    let number: f64 = digits.parse().map_err(|_| "write it as 4GiB or 500MB")?;
+    Ok((number.max(0.0) * unit as f64) as u64)
+}

@@ -1,0 +1,51 @@
+//! `radiosity render`: pictures.
+
+use radiosity::output;
+use radiosity::patches::Patches;
+use radiosity::solve;
+use radiosity::trace::Tracer;
+use radiosity::transport::{FormFactors, Transport};
+
+use crate::args::{AccuracyArgs, Failure, PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::terminal::Terminal;
+
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    picture: PictureArgs,
+    #[command(flatten)]
+    accuracy: AccuracyArgs,
+    #[command(flatten)]
+    solver: SolverArgs,
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
+    let progress = terminal.progress();
+    progress.at("load", 0.0)?;
+    let scene = args.scene.load()?;
+    scene.require_light()?;
+    terminal.warn_of(&scene);
+    progress.at("build", 0.0)?;
+    let tracer = Tracer::new(&scene);
+    let mut patches = Patches::new(&tracer, &args.accuracy.tessellation(&args.run, progress))?;
+    let factors = FormFactors::trace(&tracer, &mut patches, &args.accuracy.trace(&args.run, progress))?;
+    let k = Transport::of(&factors, &patches)?;
+    let solution = solve::solve(&k, &patches.sources(), &args.solver.options(&args.run, progress))?;
+    let camera = args.picture.camera(&tracer, &patches);
+    let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &args.picture.options(progress))?;
+    progress.at("write", 0.0)?;
+    let folder = args.scene.folder(&scene)?;
+    let files = args.picture.save(&picture, &folder)?;
+    let stages = terminal.stages();
+    if args.run.json {
+        let summary = serde_json::json!({ "scene": scene.name(), "files": files, "stages": stages });
+        println!("{}", serde_json::to_string_pretty(&summary)?);
+    }
+    let seconds: f64 = stages.iter().map(|s| s.seconds).sum();
+    terminal.say(format_args!("wrote {} to {} in {seconds:.2} s", files.join(", "), folder.display()));
+    Ok(())
+}

@@ -1,0 +1,164 @@
+//! Terminal: what the user sees while and after the library works. An [`Observer`] that draws progress, keeps the time
+//! of every stage, and passes Ctrl-C on.
+
+use std::io::IsTerminal;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use radiosity::output::Stage;
+use radiosity::progress::{Observer, Progress};
+use radiosity::scene::Scene;
+use radiosity::transport::Plan;
+
+use crate::args::Failure;
+
+/// A stage shorter than this draws no bar.
+const BRIEF: Duration = Duration::from_millis(700);
+
+pub struct Terminal {
+    prints: bool,
+    warns: bool,
+    draws: bool,
+    interrupted: Arc<AtomicBool>,
+    run: Mutex<Run>,
+}
+
+/// The stages so far; the last is under way.
+struct Run {
+    stages: Vec<Stage>,
+    began: Instant,
+    bar: Option<ProgressBar>,
+}
+
+impl Terminal {
+    pub fn new(quiet: bool, json: bool) -> Self {
+        Self {
+            prints: !quiet && !json,
+            warns: !quiet,
+            draws: !quiet && std::io::stderr().is_terminal(),
+            interrupted: Arc::default(),
+            run: Mutex::new(Run { stages: Vec::new(), began: Instant::now(), bar: None }),
+        }
+    }
+
+    /// The first Ctrl-C ends the run at the next report of progress, a second one at once.
+    pub fn stop_on_interrupt(&self) -> Result<(), Failure> {
+        let interrupted = Arc::clone(&self.interrupted);
+        ctrlc::set_handler(move || {
+            if interrupted.swap(true, Ordering::Relaxed) {
+                std::process::exit(130);
+            }
+        })?;
+        Ok(())
+    }
+
+    pub fn progress(&self) -> Progress<'_> {
+        Progress::to(self)
+    }
+
+    /// Prints a line of results.
+    pub fn say(&self, line: impl std::fmt::Display) {
+        if self.prints {
+            self.clear();
+            println!("{line}");
+        }
+    }
+
+    /// Prints a warning; only --quiet silences it.
+    pub fn warn(&self, line: impl std::fmt::Display) {
+        if self.warns {
+            self.clear();
+            eprintln!("warning: {line}");
+        }
+    }
+
+    /// Tells what reading a scene brought to light, and what it asks for and does not get.
+    pub fn warn_of(&self, scene: &Scene) {
+        scene.warnings().iter().for_each(|warning| self.warn(warning));
+        Plan::new(scene).missing().for_each(|effect| self.warn(format_args!("{}: {}", effect.effect, effect.reason)));
+    }
+
+    /// Notes the bytes that the result of the stage under way takes.
+    pub fn takes(&self, bytes: u64) {
+        if let Some(stage) = self.run().stages.last_mut() {
+            stage.bytes = bytes;
+        }
+    }
+
+    /// Ends the stage under way; answers all stages so far.
+    pub fn stages(&self) -> Vec<Stage> {
+        let mut run = self.run();
+        run.close();
+        run.stages.clone()
+    }
+
+    /// Takes the progress bar off the screen.
+    pub fn clear(&self) {
+        if let Some(bar) = self.run().bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn run(&self) -> MutexGuard<'_, Run> {
+        self.run.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Run {
+    fn close(&mut self) {
+        if let Some(stage) = self.stages.last_mut() {
+            stage.seconds += self.began.elapsed().as_secs_f64();
+        }
+        self.began = Instant::now();
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// Goes on to a stage, anew or where it was left.
+    fn open(&mut self, name: &'static str) {
+        self.close();
+        let stage = match self.stages.iter().position(|s| s.name == name) {
+            Some(known) => self.stages.remove(known),
+            None => Stage { name, seconds: 0.0, bytes: 0 },
+        };
+        self.stages.push(stage);
+    }
+
+    fn draw(&mut self, done: f64) {
+        const STEPS: f64 = 1000.0;
+        if self.began.elapsed() < BRIEF || done <= 0.0 {
+            return;
+        }
+        let Run { stages, began, bar } = self;
+        let bar = bar.get_or_insert_with(|| {
+            let style = ProgressStyle::with_template("{msg:>8} {bar:40} {percent:>3} %  {prefix}");
+            let bar = ProgressBar::with_draw_target(Some(STEPS as u64), ProgressDrawTarget::stderr());
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar.set_message(stages.last().map_or("", |s| s.name));
+            bar
+        });
+        let left = began.elapsed().as_secs_f64() * (1.0 - done) / done;
+        bar.set_prefix(format!("{left:.0} s left"));
+        bar.set_position((done * STEPS) as u64);
+    }
+}
+
+impl Observer for Terminal {
+    fn at(&self, stage: &'static str, done: f64) -> ControlFlow<()> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            return ControlFlow::Break(());
+        }
+        let mut run = self.run();
+        if run.stages.last().is_none_or(|s| s.name != stage) {
+            run.open(stage);
+        }
+        if self.draws {
+            run.draw(done);
+        }
+        ControlFlow::Continue(())
+    }
+}

@@ -1,0 +1,117 @@
+//! Output: pictures and meshes of a solution.
+//!
+//! [`render`] looks at a radiance field through a camera and gives a [`Picture`] of linear radiance; an [`Exposure`]
+//! makes it fit for a screen. [`write_ply`] puts the same colours on the patches themselves. Every file is
+//! written through [`replace`]: whole, or not at all.
+
+mod file;
+mod image;
+mod mesh;
+mod picture;
+mod smooth;
+mod summary;
+mod table;
+mod tone;
+mod view;
+
+use std::path::PathBuf;
+
+use crate::progress::Cancelled;
+
+pub use self::file::replace;
+pub use self::image::{Outlines, RenderOptions, Shading, render};
+pub use self::mesh::write_ply;
+pub use self::picture::{LampPart, Picture};
+pub use self::smooth::SmoothField;
+pub use self::summary::{
+    BounceSummary, EnergySummary, PlanEntry, SeriesSummary, Stage, Summary, write_summary,
+};
+pub use self::table::{write_faces, write_patches};
+pub use self::tone::{Exposure, srgb, to_rgb};
+pub use self::view::default_camera;
+
+/// Why a picture or mesh could not be made or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// The file can't be written.
+    #[error(
+        "cannot write {}: {source}; check that the folder exists, may be written to and has room",
+        path.display()
+    )]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A picture of this size can't be made.
+    #[error("a picture can't be {width} x {height}; both must be at least 1 and at most 32768")]
+    Size {
+        /// Pixels across.
+        width: usize,
+        /// Pixels down.
+        height: usize,
+    },
+    /// The camera can't make a picture.
+    #[error(
+        "camera: position and target must differ, up must not be zero, and fov must lie between 0 and 180 degrees"
+    )]
+    Camera,
+    /// The observer asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+#[cfg(test)]
+mod tests {
+    //! What the tests of this module look at.
+
+    use glam::DVec3;
+
+    use crate::patches::{PatchSize, Patches, Reach, Tessellation};
+    use crate::scene::{Face, FaceState, Material, Scene, SceneParts};
+    use crate::trace::Tracer;
+
+    /// A scene of triangles (three vertices each) with a material each.
+    pub(super) fn triangles(corners: &[[[f64; 3]; 3]], of: &[u32], materials: Vec<Material>) -> Scene {
+        let face = |k: u32| Face {
+            vertices: [3 * k, 3 * k + 1, 3 * k + 2],
+            normals: None,
+            material: of[k as usize],
+            object: 0,
+            state: FaceState::Kept,
+        };
+        let parts = SceneParts {
+            name: "test".into(),
+            vertices: corners.iter().flatten().copied().map(DVec3::from).collect(),
+            faces: (0..corners.len() as u32).map(face).collect(),
+            materials,
+            objects: vec!["object".into()],
+            ..SceneParts::default()
+        };
+        Scene::new(parts).expect("a valid test scene")
+    }
+
+    /// Two triangles for the parallelogram from `p` along `u` and `v`.
+    pub(super) fn quad(p: [f64; 3], u: [f64; 3], v: [f64; 3]) -> [[[f64; 3]; 3]; 2] {
+        let add = |a: [f64; 3], b: [f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        let far = add(add(p, u), v);
+        [[p, add(p, u), far], [p, far, add(p, v)]]
+    }
+
+    /// The box [0, 1]³ seen from inside, all of one material.
+    pub(super) fn room(material: Material) -> Scene {
+        let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        let o = [0.0; 3];
+        let walls =
+            [quad(o, z, x), quad(o, x, y), quad(o, y, z), quad(y, x, z), quad(z, y, x), quad(x, z, y)];
+        triangles(&walls.concat(), &[0; 12], vec![material])
+    }
+
+    /// Cuts for legs up to `edge` metres.
+    pub(super) fn cut<'s>(tracer: &Tracer<'s>, edge: f64, reach: Reach) -> Patches<'s> {
+        let options = Tessellation { size: PatchSize::Edge(edge), reach, ..Default::default() };
+        Patches::new(tracer, &options).expect("a valid patch size")
+    }
+}

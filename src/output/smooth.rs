@@ -1,0 +1,289 @@
+//! Smooth field: a field of one value per patch, made continuous for the eye.
+//!
+//! A corner's value is the mean, weighted by angle, of the patches that meet there on the same smooth surface:
+//! same material, and normals no more than 30° from one to the next. Inside a patch the values of its three corners are
+//! interpolated linearly. Across creases, materials and the two sides of a sheet nothing is mixed.
+
+use std::ops::Range;
+
+use glam::{DMat2, DVec2, DVec3};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use crate::patches::{Barycentrics, Patches, Slot};
+use crate::scene::Side;
+use crate::trace::Tracer;
+
+/// Corners are the same point if nearer than this share of their patch's shortest leg ...
+const SAME_OF_LEG: f64 = 1e-3;
+
+/// ... and nearer than this, normalised lengths.
+const SAME: f64 = 1e-6;
+
+/// Cosine of the angle between normals at which a surface has a crease: 30°.
+const CREASE: f64 = 0.866;
+
+/// A field over patches, continuous within each smooth surface.
+#[derive(Clone, Debug)]
+pub struct SmoothField {
+    channels: usize,
+    /// Per patch, its corners as places in `points`.
+    corners: Vec<[u32; 3]>,
+    /// Normalised frame.
+    points: Vec<DVec3>,
+    /// Per point, `channels` values.
+    values: Vec<f64>,
+    /// Per patch: from points of its face to weights of the patch's second and third corner.
+    weights: Vec<(DVec2, DMat2)>,
+}
+
+/// A corner of one patch.
+#[derive(Clone, Copy)]
+struct Corner {
+    position: DVec3,
+    normal: DVec3,
+    /// Corners of different surfaces are never mixed: material, and whether it emits.
+    surface: u32,
+    /// Angle of the patch at this corner, radians.
+    angle: f64,
+    /// Farther away than this is another point.
+    same: f64,
+}
+
+impl SmoothField {
+    /// Averages `field` (n × c) to the corners of the patches.
+    ///
+    /// # Panics
+    /// If `field` has not n rows.
+    pub fn new(tracer: &Tracer, patches: &Patches, field: &DMatrix<f64>) -> Self {
+        assert_eq!(field.nrows(), patches.len(), "one row per patch");
+        let corners: Vec<Corner> =
+            (0..patches.len()).into_par_iter().flat_map_iter(|i| corners_of(tracer, patches, i)).collect();
+        let mut smooth = Self {
+            channels: field.ncols(),
+            corners: vec![[0; 3]; patches.len()],
+            points: Vec::new(),
+            values: Vec::new(),
+            weights: (0..patches.len()).into_par_iter().map(|i| to_weights(patches.corners(i))).collect(),
+        };
+        for_each_surface_point(&corners, |members| smooth.add_point(&corners, members, field));
+        smooth
+    }
+
+    /// Makes one point of the corners `members` (numbered patch · 3 + corner).
+    fn add_point(&mut self, corners: &[Corner], members: &[u32], field: &DMatrix<f64>) {
+        let point = self.points.len() as u32;
+        self.points.push(corners[members[0] as usize].position);
+        let total: f64 = members.iter().map(|&m| corners[m as usize].angle).sum();
+        for c in 0..self.channels {
+            let part = |&m: &u32| corners[m as usize].angle * field[(m as usize / 3, c)];
+            self.values.push(members.iter().map(part).sum::<f64>() / total);
+        }
+        for &m in members {
+            self.corners[m as usize / 3][m as usize % 3] = point;
+        }
+    }
+
+    /// Number of channels c.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Where values are known, normalised frame; a place in space has a point for each surface that meets there.
+    pub fn points(&self) -> &[DVec3] {
+        &self.points
+    }
+
+    /// The values at a point, c of them.
+    pub fn value(&self, point: u32) -> &[f64] {
+        &self.values[point as usize * self.channels..][..self.channels]
+    }
+
+    /// The points at the corners of a patch, in the order of [`Patches::corners`].
+    pub fn corners(&self, patch: usize) -> [u32; 3] {
+        self.corners[patch]
+    }
+
+    /// The field at a point of a patch, given as a point of the patch's face; c values.
+    #[inline]
+    pub fn at(&self, patch: usize, point: Barycentrics) -> impl Iterator<Item = f64> {
+        let (origin, inverse) = self.weights[patch];
+        let w = inverse * (DVec2::from(point) - origin);
+        let [a, b, c] = self.corners[patch].map(|point| self.value(point));
+        (0..self.channels).map(move |k| a[k] * (1.0 - w.x - w.y) + b[k] * w.x + c[k] * w.y)
+    }
+}
+
+fn to_weights(corners: [Barycentrics; 3]) -> (DVec2, DMat2) {
+    let [a, b, c] = corners.map(DVec2::from);
+    (a, DMat2::from_cols(b - a, c - a).inverse())
+}
+
+fn corners_of(tracer: &Tracer, patches: &Patches, patch: usize) -> [Corner; 3] {
+    let Slot { face, side, .. } = patches.place(patch);
+    let [p, q, r] = *tracer.corners(face);
+    let on_face = patches.corners(patch);
+    let at = on_face.map(|[u, v]| p + (q - p) * u + (r - p) * v);
+    let leg = |k: usize| at[(k + 1) % 3] - at[k];
+    let shortest = leg(0).length().min(leg(1).length()).min(leg(2).length());
+    let scene = tracer.scene();
+    let emits = side == Side::Front && scene.material_of(face).emits();
+    [0, 1, 2].map(|k| Corner {
+        position: at[k],
+        normal: shading_normal(tracer, face, side, on_face[k]),
+        surface: 2 * scene.faces()[face].material + u32::from(emits),
+        angle: leg(k).angle_between(-leg((k + 2) % 3)).max(1e-9),
+        same: SAME.min(SAME_OF_LEG * shortest),
+    })
+}
+
+/// The interpolated `vn` of a face's side where it has them and they make sense, else the facet's normal.
+fn shading_normal(tracer: &Tracer, face: usize, side: Side, [u, v]: Barycentrics) -> DVec3 {
+    let flat = tracer.normal(face, Side::Front);
+    let scene = tracer.scene();
+    let given = scene.faces()[face].normals.map(|n| n.map(|n| scene.normals()[n as usize]));
+    let shading = given.map_or(flat, |[a, b, c]| (a * (1.0 - u - v) + b * u + c * v).normalize_or_zero());
+    let normal = if shading.dot(flat) > 0.0 { shading } else { flat };
+    if side == Side::Back { -normal } else { normal }
+}
+
+/// Calls `found` with each set of corners that share a place and a smooth surface, always in the same order.
+fn for_each_surface_point(corners: &[Corner], mut found: impl FnMut(&[u32])) {
+    // Sort along a line that no common mesh is aligned with: corners of one place are then near one another.
+    let along = DVec3::new(0.634_087, 0.577_919, 0.513_846).normalize();
+    let mut order: Vec<(f64, u32)> =
+        corners.par_iter().enumerate().map(|(k, corner)| (corner.position.dot(along), k as u32)).collect();
+    order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut taken = vec![false; order.len()];
+    let mut place = Vec::new();
+    for first in 0..order.len() {
+        if taken[first] {
+            continue;
+        }
+        let leader = &corners[order[first].1 as usize];
+        place.clear();
+        for k in first..order.len() {
+            let (height, corner) = order[k];
+            if height > order[first].0 + leader.same {
+                break;
+            }
+            if !taken[k] && corners[corner as usize].position.distance(leader.position) <= leader.same {
+                taken[k] = true;
+                place.push(corner);
+            }
+        }
+        split_by_surface(corners, &mut place, &mut found);
+    }
+}
+
+/// Splits the corners at one place into smooth surfaces: chains of corners without a crease between links.
+fn split_by_surface(corners: &[Corner], place: &mut [u32], found: &mut impl FnMut(&[u32])) {
+    let smooth = |a: u32, b: u32| {
+        let (a, b) = (&corners[a as usize], &corners[b as usize]);
+        a.surface == b.surface && a.normal.dot(b.normal) >= CREASE
+    };
+    let mut rest = place;
+    while !rest.is_empty() {
+        // Grow the surface at the front of the slice until no corner of the rest joins it.
+        let Range { mut start, mut end } = 0..1;
+        while start < end && end < rest.len() {
+            for k in end..rest.len() {
+                if smooth(rest[start], rest[k]) {
+                    rest.swap(end, k);
+                    end += 1;
+                }
+            }
+            start += 1;
+        }
+        let (surface, others) = rest.split_at_mut(end);
+        found(surface);
+        rest = others;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{cut, quad, room, triangles};
+    use super::*;
+    use crate::patches::Reach;
+    use crate::scene::Material;
+
+    const CENTRE: Barycentrics = [1.0 / 3.0; 2];
+
+    fn from_centres(patches: &Patches, f: impl Fn(DVec3) -> f64) -> DMatrix<f64> {
+        DMatrix::from_fn(patches.len(), 1, |i, _| f(patches.centre(i)))
+    }
+
+    #[test]
+    fn a_constant_field_stays_constant() {
+        let scene = room(Material::lamp("wall", &[0.5], &[1.0]));
+        let tracer = Tracer::new(&scene);
+        let patches = cut(&tracer, 0.21, Reach::Light);
+        let smooth = SmoothField::new(&tracer, &patches, &DMatrix::from_element(patches.len(), 2, 3.5));
+        for patch in 0..patches.len() {
+            for value in smooth.at(patch, patches.corners(patch)[1]) {
+                assert!((value - 3.5).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn a_linear_field_on_a_flat_wall_is_reproduced_inside() {
+        let wall = quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        let scene = triangles(&wall, &[0, 0], vec![Material::diffuse("wall", &[0.5])]);
+        let tracer = Tracer::new(&scene);
+        let mut patches = cut(&tracer, 0.1, Reach::Everything);
+        patches.activate(&(0..patches.slots() as u32).collect::<Vec<_>>());
+        let linear = |p: DVec3| 2.0 + p.x - 3.0 * p.y;
+        let smooth = SmoothField::new(&tracer, &patches, &from_centres(&patches, linear));
+        let mut inside = 0;
+        for patch in 0..patches.len() {
+            let centre = patches.centre(patch);
+            if (DVec3::new(0.5, 0.5, 0.0) - centre).abs().max_element() > 0.35 {
+                continue;
+            }
+            inside += 1;
+            for corner in patches.corners(patch) {
+                let expected = linear(patches.point(patches.place(patch).face, corner));
+                let value = smooth.at(patch, corner).next().unwrap();
+                assert!((value - expected).abs() < 1e-9, "{value} {expected}");
+            }
+        }
+        assert!(inside > 100);
+    }
+
+    #[test]
+    fn never_mixes_materials_sides_or_surfaces_that_meet_at_a_crease() {
+        let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+        let walls = [quad([0.0; 3], x, y), quad(x, x, y), quad([0.0; 3], y, z)].concat();
+        let materials = ["one", "two"].map(|name| Material::diffuse(name, &[0.5])).to_vec();
+        let scene = triangles(&walls, &[0, 0, 1, 1, 0, 0], materials);
+        let tracer = Tracer::new(&scene);
+        let mut patches = cut(&tracer, 0.2, Reach::Everything);
+        patches.activate(&(0..patches.slots() as u32).collect::<Vec<_>>());
+        let group = |i: usize| patches.place(i).face / 2 * 2 + patches.place(i).side as usize;
+        let field = DMatrix::from_fn(patches.len(), 1, |i, _| group(i) as f64);
+        let smooth = SmoothField::new(&tracer, &patches, &field);
+        for patch in 0..patches.len() {
+            for point in smooth.corners(patch) {
+                assert!((smooth.value(point)[0] - group(patch) as f64).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_gentle_bend_is_smooth_and_both_halves_share_its_points() {
+        let bend = 20f64.to_radians();
+        let up = [0.0, bend.cos(), bend.sin()];
+        let walls =
+            [quad([0.0; 3], [1.0, 0.0, 0.0], up), quad([0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])];
+        let scene = triangles(&walls.concat(), &[0; 4], vec![Material::diffuse("wall", &[0.5])]);
+        let tracer = Tracer::new(&scene);
+        let mut patches = cut(&tracer, 2.0, Reach::Everything);
+        patches.activate(&(0..patches.slots() as u32).collect::<Vec<_>>());
+        let smooth = SmoothField::new(&tracer, &patches, &from_centres(&patches, |p| p.y));
+        // Six places, each with a front and a back.
+        assert_eq!(smooth.points().len(), 12);
+        assert!(smooth.at(0, CENTRE).next().unwrap().is_finite());
+    }
+}

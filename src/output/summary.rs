@@ -1,0 +1,167 @@
+//! Summary: `solution.json`, everything a script wants to know of a run.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::{OutputError, replace, to_rgb};
+use crate::measure::Energy;
+use crate::solve::{Report, Series, Solution};
+use crate::transport::{Closure, Effect};
+
+/// Writes `summary` as JSON.
+///
+/// # Errors
+/// If the file can't be written.
+pub fn write_summary(path: &Path, summary: &Summary) -> Result<(), OutputError> {
+    replace(path, |file| {
+        serde_json::to_writer_pretty(&mut *file, summary)?;
+        writeln!(file)
+    })
+}
+
+/// The content of `solution.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// The scene's name.
+    pub scene: String,
+    /// This program's version.
+    pub version: &'static str,
+    /// The seed of all random sequences.
+    pub seed: u64,
+    /// Number of threads.
+    pub threads: usize,
+    /// Number of patches (unknowns).
+    pub patches: usize,
+    /// Rays per patch.
+    pub rays: u32,
+    /// Number of channels that were solved.
+    pub channels: usize,
+    /// How exchange areas are stored: `dense` or `sparse`.
+    pub storage: &'static str,
+    /// What the scene calls for and what was simulated.
+    pub plan: Vec<PlanEntry>,
+    /// Where time and memory went.
+    pub stages: Vec<Stage>,
+    /// The chosen solver's report.
+    pub solver: Report,
+    /// The series' report.
+    pub series: SeriesSummary,
+    /// Where the emitted power went, W.
+    pub energy: EnergySummary,
+    /// How well form factors close.
+    pub closure: Closure,
+    /// Error bars; not estimated yet.
+    pub error: Option<()>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// One effect of the plan, with what it cost where that is known.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlanEntry {
+    /// The effect and its reason.
+    #[serde(flatten)]
+    pub effect: Effect,
+    /// Rays that it takes.
+    pub rays: Option<u64>,
+    /// Seconds that it takes.
+    pub seconds: Option<f64>,
+    /// Bytes that it takes.
+    pub bytes: Option<u64>,
+}
+
+/// A stage of the run.
+#[derive(Clone, Debug, Serialize)]
+pub struct Stage {
+    /// load, build, patch, trace, balance, factor, solve, series, render or write.
+    pub name: &'static str,
+    /// Wall-clock time.
+    pub seconds: f64,
+    /// Bytes that its result takes, 0 where that is next to nothing.
+    pub bytes: u64,
+}
+
+/// The Neumann series in brief.
+#[derive(Clone, Debug, Serialize)]
+pub struct SeriesSummary {
+    /// The order at which it was truncated.
+    pub order: usize,
+    /// ‖E − (I − K)L‖∞ / ‖E‖∞.
+    pub residual: f64,
+    /// *Guaranteed* bound on ‖error‖∞ / ‖L‖∞.
+    pub bound: f64,
+    /// ‖L − L_solver‖∞ / ‖L_solver‖∞, how far the two solvers are apart.
+    pub difference: f64,
+    /// What each order adds.
+    pub bounces: Vec<BounceSummary>,
+}
+
+/// One order of the series.
+#[derive(Clone, Debug, Serialize)]
+pub struct BounceSummary {
+    /// k.
+    pub order: usize,
+    /// Radiant flux that KᵏE adds, W.
+    pub flux: [f64; 3],
+    /// Relative residual of the sum up to here.
+    pub residual: f64,
+    /// *Guaranteed* bound on ‖error‖∞ / ‖L‖∞ of the sum up to here.
+    pub bound: f64,
+}
+
+impl SeriesSummary {
+    /// Sums up a series beside another solver's solution; `unit` is the operator's unit of area in m².
+    pub fn new(series: &Series, solution: &Solution, unit: f64) -> Self {
+        let bounces = series.bounces.iter().map(|b| BounceSummary {
+            order: b.order,
+            flux: to_rgb(&b.flux).map(|flux| flux * unit),
+            residual: b.residual,
+            bound: b.bound,
+        });
+        let (l, report) = (&series.solution.radiance, &series.solution.report);
+        Self {
+            order: series.order(),
+            residual: report.residual,
+            bound: report.bound,
+            difference: (l - &solution.radiance).amax() / solution.radiance.amax(),
+            bounces: bounces.collect(),
+        }
+    }
+}
+
+impl From<Effect> for PlanEntry {
+    fn from(effect: Effect) -> Self {
+        Self { effect, rays: None, seconds: None, bytes: None }
+    }
+}
+
+/// [`Energy`] with three numbers a term, whatever the number of channels.
+#[derive(Clone, Debug, Serialize)]
+pub struct EnergySummary {
+    /// What lamps emit.
+    pub emitted: [f64; 3],
+    /// What diffuse surfaces absorb.
+    pub absorbed: [f64; 3],
+    /// What leaves the scene.
+    pub escaped: [f64; 3],
+    /// What mirrors and glass absorb.
+    pub carriers: [f64; 3],
+    /// What paths lose that are cut short.
+    pub lost: [f64; 3],
+    /// (emitted − the rest) / emitted, the largest over channels.
+    pub imbalance: f64,
+}
+
+impl From<&Energy> for EnergySummary {
+    fn from(energy: &Energy) -> Self {
+        Self {
+            emitted: to_rgb(&energy.emitted),
+            absorbed: to_rgb(&energy.absorbed),
+            escaped: to_rgb(&energy.escaped),
+            carriers: to_rgb(&energy.carriers),
+            lost: to_rgb(&energy.lost),
+            imbalance: energy.imbalance,
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! View: a camera for scenes that bring none.
+//!
+//! Many cameras, inside the scene and around it, cast a few rays each. The best is the one with the highest viewpoint
+//! entropy, −Σ p log p over the surfaces in the picture with p the share each takes up (Vázquez et al. 2001), less
+//! what spoils a picture: unlit sides, emptiness, and things right before the lens.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::patches::Patches;
+use crate::scene::{Camera, FaceState, Side};
+use crate::trace::{Ray, Tracer};
+
+/// Vertical field of view of the cameras tried, degrees; wider inside, where there is no room to step back.
+const FOV_OUTSIDE: f64 = 40.0;
+const FOV_INSIDE: f64 = 60.0;
+
+/// Rays across and down.
+const GRID: [usize; 2] = [32, 24];
+
+/// A camera that sees much of what light reaches; the same for the same scene and patches.
+///
+/// Up is y, or z in a scene whose lamps point down z or that lies flat in the xy plane.
+pub fn default_camera(tracer: &Tracer, patches: &Patches) -> Camera {
+    let extent = Extent::of(tracer);
+    let up = up_axis(tracer, &extent);
+    let candidates = candidates(&extent, up);
+    let scores: Vec<f64> = candidates.par_iter().map(|camera| score(tracer, patches, camera)).collect();
+    let best = (0..candidates.len()).max_by(|&i, &j| scores[i].total_cmp(&scores[j]).then(j.cmp(&i)));
+    let camera = candidates[best.unwrap_or(0)];
+    let to_world = |p| tracer.frame().to_world(p);
+    Camera { position: to_world(camera.position), target: to_world(camera.target), ..camera }
+}
+
+/// The box around the scene, normalised frame.
+struct Extent {
+    centre: DVec3,
+    half: DVec3,
+}
+
+impl Extent {
+    fn of(tracer: &Tracer) -> Self {
+        let faces = tracer.scene().faces().iter().enumerate();
+        let kept = faces.filter(|(_, face)| face.state == FaceState::Kept);
+        let points = kept.flat_map(|(f, _)| *tracer.corners(f));
+        let everything = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = points.fold(everything, |(low, high), p| (low.min(p), high.max(p)));
+        Self { centre: 0.5 * (low + high), half: 0.5 * (high - low) }
+    }
+
+    fn corners(&self) -> impl Iterator<Item = DVec3> {
+        let sign = |k: usize, bit: usize| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
+        (0..8).map(move |k| self.centre + self.half * DVec3::new(sign(k, 0), sign(k, 1), sign(k, 2)))
+    }
+}
+
+/// y, unless lamps or the shape of the scene speak for z.
+fn up_axis(tracer: &Tracer, extent: &Extent) -> DVec3 {
+    let scene = tracer.scene();
+    let power = |f: usize| -> DVec3 {
+        let [a, b, c] = *tracer.corners(f);
+        (b - a).cross(c - a) * scene.material_of(f).emission.iter().sum::<f64>()
+    };
+    let kept = (0..scene.faces().len()).filter(|&f| scene.faces()[f].state == FaceState::Kept);
+    let down = kept.map(power).sum::<DVec3>().normalize_or_zero();
+    let flat = extent.half.z < 0.5 * extent.half.x.min(extent.half.y);
+    if down.z < -0.9 || (flat && down.y > -0.9) { DVec3::Z } else { DVec3::Y }
+}
+
+/// Cameras to try, normalised frame.
+fn candidates(extent: &Extent, up: DVec3) -> Vec<Camera> {
+    let mut cameras = Vec::new();
+    let side = if up == DVec3::Y { DVec3::Z } else { -DVec3::Y };
+    let right = up.cross(side);
+    let Extent { centre, half } = *extent;
+    let at = |x: f64, y: f64, z: f64| centre + half * (right * x + up * y + side * z);
+    // Inside: from places at two heights, near the walls and in the middle, towards the middle and along the axes.
+    for height in [0.1, 0.45] {
+        for [x, z] in
+            [-0.85, -0.4, 0.0, 0.4, 0.85].into_iter().flat_map(|x| [-0.85, 0.0, 0.85].map(|z| [x, z]))
+        {
+            let targets = [at(0.0, -0.1, 0.0), at(-0.3 * x, height - 0.25, -z), at(-x, height - 0.25, z)];
+            for target in targets {
+                let position = at(x, height, z);
+                if position.distance(target) > 0.2 * half.length() {
+                    cameras.push(Camera { position, target, up, fov: FOV_INSIDE });
+                }
+            }
+        }
+    }
+    // Outside: around the scene, looking down on it more or less, with all of it or its middle in the picture.
+    for turn in 0..16 {
+        let azimuth = std::f64::consts::TAU * turn as f64 / 16.0;
+        for elevation in [2.0f64, 18.0, 38.0].map(f64::to_radians) {
+            let flat = right * azimuth.sin() + side * azimuth.cos();
+            let towards = flat * elevation.cos() + up * elevation.sin();
+            let all = fitting(extent, towards, up);
+            cameras.push(all);
+            for closer in [0.6, 0.35] {
+                cameras.push(Camera { position: all.target + (all.position - all.target) * closer, ..all });
+            }
+        }
+    }
+    cameras
+}
+
+/// The camera in direction `towards` of the scene's centre that has the whole box in a 4:3 picture.
+fn fitting(extent: &Extent, towards: DVec3, up: DVec3) -> Camera {
+    let camera = Camera { position: extent.centre + towards, target: extent.centre, up, fov: FOV_OUTSIDE };
+    let [right, top, forward] = camera.axes();
+    let tangent = (0.5 * FOV_OUTSIDE.to_radians()).tan();
+    // Each corner must lie within the frame: far enough away for its sideways distance.
+    let needed = |p: DVec3| {
+        let p = p - extent.centre;
+        let sideways = (p.dot(right).abs() / (4.0 / 3.0)).max(p.dot(top).abs());
+        1.06 * sideways / tangent - p.dot(forward)
+    };
+    let distance = extent.corners().map(needed).fold(1e-3, f64::max);
+    Camera { position: extent.centre + towards * distance, ..camera }
+}
+
+/// How good a picture a camera makes; higher is better.
+fn score(tracer: &Tracer, patches: &Patches, camera: &Camera) -> f64 {
+    let [columns, rows] = GRID;
+    let [right, up, forward] = camera.axes();
+    let tangent = (0.5 * camera.fov.to_radians()).tan();
+    let mut surfaces: HashMap<u64, f64> = HashMap::new();
+    let (mut dark, mut near, mut backs) = (0.0, 0.0, 0.0);
+    let one = 1.0 / (columns * rows) as f64;
+    for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+        let x = ((column as f64 + 0.5) / columns as f64 * 2.0 - 1.0) * tangent * 4.0 / 3.0;
+        let y = (1.0 - (row as f64 + 0.5) / rows as f64 * 2.0) * tangent;
+        let direction = (forward + right * x + up * y).normalize();
+        let Some(hit) = tracer.closest_hit(&Ray { origin: camera.position, direction, from: Ray::FREE })
+        else {
+            continue;
+        };
+        let face = hit.face as usize;
+        if patches.patch_at(face, hit.side, hit.barycentrics).is_none() && !patches.is_empty() {
+            dark += one;
+            continue;
+        }
+        near += if hit.distance < 0.25 { one * (1.0 - hit.distance / 0.25) } else { 0.0 };
+        backs += if hit.side == Side::Back { one } else { 0.0 };
+        *surfaces
+            .entry(surface(tracer, face, hit.side, camera.position + direction * hit.distance))
+            .or_default() += one;
+    }
+    // Sum in a fixed order: the map has none.
+    let mut shares: Vec<f64> = surfaces.into_values().collect();
+    shares.sort_by(f64::total_cmp);
+    let entropy: f64 = shares.iter().map(|p| -p * p.ln()).sum();
+    let spoilt = (1.0f64 - 1.5 * dark).max(0.0) * (1.0 - near).max(0.0) * (1.0 - 0.3 * backs);
+    entropy * spoilt
+}
+
+/// A name for what is seen: material, object, which way it faces, and roughly where it is.
+fn surface(tracer: &Tracer, face: usize, side: Side, place: DVec3) -> u64 {
+    let &crate::scene::Face { material, object, .. } = &tracer.scene().faces()[face];
+    let normal = tracer.normal(face, side);
+    let bins = |v: DVec3, per_unit: f64| v.to_array().map(|x| (x * per_unit).round() as i64 + 8);
+    let [a, b, c] = bins(normal, 1.0);
+    let [x, y, z] = bins(place, 1.5);
+    [material as i64, object as i64, a, b, c, x, y, z]
+        .iter()
+        .fold(0u64, |name, &part| name.wrapping_mul(1_000_003).wrapping_add(part as u64))
+}
