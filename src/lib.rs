@@ -1,3 +1,69 @@
+//! Diffuse global illumination as a matrix problem.
+//!
+//! Surfaces are cut into patches. Ray-traced form factors F build the transport operator K = diag(ρ) F, and the light that leaves
+//! every patch solves the radiosity equation
+//!
+//! **L = E + K L**, that is **L = (I − K)⁻¹E = E + KE + K²E + …**
+//!
+//! directly, or as the Neumann series, one bounce of light after another.
+//!
+//! ```
+//! use radiosity::{measure::Energy, output, patches::*, scene::Scene, solve, trace::Tracer, transport::*};
+//!
+//! # fn main() -> Result<(), radiosity::Error> {
+//! let scene = Scene::cornell_box(); // or Scene::load("room.obj")?
+//! let tracer = Tracer::new(&scene);
+//! let size = PatchSize::Count(800);
+//! let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() })?;
+//!
+//! // Geometry only: no reflectance, no lamp.
+//! let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default())?;
+//! // One bounce of light: K = diag(ρ) F.
+//! let k = Transport::of(&factors, &patches)?;
+//! let e = patches.sources();
+//!
+//! // Factor once, solve for as many lamps as you like; or sum the series bounce by bounce.
+//! let exact = solve::direct(&k, &Default::default())?.solve(&e);
+//! let series = solve::neumann(&k, &e, &solve::NeumannOptions { order: 8, ..Default::default() })?;
+//! let difference = (&series.solution.radiance - &exact.radiance).amax() / exact.radiance.amax();
+//! assert!(difference < series.solution.report.bound);
+//!
+//! let energy = Energy::new(&k, &e, &exact.radiance, 1.0);
+//! assert!(energy.imbalance < 1e-12);
+//!
+//! let camera = output::default_camera(&tracer, &patches);
+//! let options = output::RenderOptions { width: 80, height: 60, ..Default::default() };
+//! let picture = output::render(&tracer, &patches, &exact.radiance, &camera, &options)?;
+//! # let folder = tempfile::tempdir().expect("a temporary folder");
+//! # let path = folder.path().join("cornell.png");
+//! picture.save_png(path, picture.exposure())?;
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Words and units
+//!
+//! | symbol | name | unit | shape |
+//! |---|---|---|---|
+//! | L | radiance leaving a patch | W·sr⁻¹·m⁻² | n × c |
+//! | Lₑ | emitted radiance, the right-hand side E | W·sr⁻¹·m⁻² | n × c |
+//! | ρ | reflectance (albedo) | 1 | n × c |
+//! | F_ij | form factor: the fraction of what i sends out that lands on j; F_i∞ what escapes | 1 | n × n |
+//! | S_ij = A_i F_ij = S_ji | exchange area | m² | n × n |
+//! | K = diag(ρ) F | transport operator | 1 | n × n |
+//! | H = π F L | irradiance | W·m⁻² | n × c |
+//! | B = π L | radiosity (radiant exitance) | W·m⁻² | n × c |
+//! | Φ = Σ A B | radiant flux (power) | W | c |
+//!
+//! with n patches and c channels: three of colour, or one where all channels agree. *Order k* of the series is
+//! L_k = Lₑ + ρH_k/π with H_k = πF L_{k−1}; *bounce k* is KᵏE, what order k adds. A *guaranteed* bound holds for the operator at
+//! hand in exact arithmetic; it does not speak of how well that operator stands for the scene.
+//!
+//! # The way through the house
+//!
+//! Data flows one way, and a module imports only from those to its left:
+//! [`progress`] → [`scene`] → [`trace`] → [`patches`] → [`transport`] → [`solve`] → [`measure`] → [`output`].
+
 pub mod measure;
 pub mod output;
 pub mod patches;
@@ -6,3 +72,24 @@ pub mod scene;
 pub mod solve;
 pub mod trace;
 pub mod transport;
+
+/// Any error of the library, for programs that do not care which stage it comes from.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// From reading a scene.
+    #[error(transparent)]
+    Scene(#[from] scene::SceneError),
+    /// From cutting it into patches.
+    #[error(transparent)]
+    Patches(#[from] patches::PatchError),
+    /// From tracing form factors or making the operator.
+    #[error(transparent)]
+    Transport(#[from] transport::TransportError),
+    /// From solving.
+    #[error(transparent)]
+    Solve(#[from] solve::SolveError),
+    /// From making or writing results.
+    #[error(transparent)]
+    Output(#[from] output::OutputError),
+}
