@@ -108,7 +108,7 @@ impl<'s> Patches<'s> {
         match options.size {
             PatchSize::Edge(metres) if metres.is_finite() && metres > 0.0 => {
                 let mut patches = Self::cut(tracer, metres / tracer.frame().scale())?;
-                patches.reach(tracer, options)?;
+                patches.reach(tracer, options, sides::LOOK)?;
                 Ok(patches)
             }
             PatchSize::Count(count) if count > 0 => Self::with_count(tracer, count, options),
@@ -119,20 +119,20 @@ impl<'s> Patches<'s> {
     /// Cuts so that about `count` slots are reached: once coarsely, to see which sides are, then as fine as that says.
     fn with_count(tracer: &Tracer<'s>, count: usize, options: &Tessellation) -> Result<Self, PatchError> {
         const COARSE: usize = 1000;
-        let everything = |_: usize| [1.0; 2];
-        let mut patches = Self::cut(tracer, edge_for(tracer, count.min(COARSE), everything))?;
-        patches.reach(tracer, options)?;
-        for _ in 0..2 {
-            if (patches.len() as f64 / count as f64 - 1.0).abs() < 0.1 {
-                break;
-            }
-            let shares: Vec<[f64; 2]> = (0..tracer.scene().faces().len()).map(|f| patches.reached_share(f)).collect();
-            let edge = edge_for(tracer, count, |face| shares[face]);
-            if edge == patches.edge {
-                break;
-            }
+        /// A cut that has not the expected number of patches, because finer patches see more, is made once more.
+        const ATTEMPTS: usize = 2;
+        let (mut edge, _) = edge_for(tracer, count.min(COARSE), |_| [1.0; 2]);
+        let mut patches = Self::cut(tracer, edge)?;
+        patches.reach(tracer, options, sides::GLANCE)?;
+        for _ in 0..ATTEMPTS {
+            let shares: Vec<_> = (0..tracer.scene().faces().len()).map(|f| patches.reached_share(f)).collect();
+            let expected;
+            (edge, expected) = edge_for(tracer, count, |face| shares[face]);
             patches = Self::cut(tracer, edge)?;
-            patches.reach(tracer, options)?;
+            patches.reach(tracer, options, sides::LOOK)?;
+            if (patches.len() as f64 / expected - 1.0).abs() < 0.1 {
+                break;
+            }
         }
         Ok(patches)
     }
@@ -346,8 +346,9 @@ impl<'s> Patches<'s> {
     }
 }
 
-/// The edge (normalised) at which about `count` slots are reached, where `share` tells which part of each face's sides is.
-fn edge_for(tracer: &Tracer, count: usize, share: impl Fn(usize) -> [f64; 2]) -> f64 {
+/// The edge (normalised) at which about `count` slots are reached, and how many are at this edge, where `share` tells which part
+/// of each face's sides is.
+fn edge_for(tracer: &Tracer, count: usize, share: impl Fn(usize) -> [f64; 2]) -> (f64, f64) {
     let faces: Vec<(usize, f64)> = (0..tracer.scene().faces().len())
         .filter(|&f| tracer.scene().faces()[f].state == FaceState::Kept)
         .map(|f| (f, share(f).iter().sum::<f64>()))
@@ -365,5 +366,6 @@ fn edge_for(tracer: &Tracer, count: usize, share: impl Fn(usize) -> [f64; 2]) ->
         if reached(edge) > goal { fine = edge } else { coarse = edge }
     }
     let off = |edge: f64| (reached(edge) / goal).ln().abs();
-    if off(fine) < off(coarse) { fine } else { coarse }
+    let edge = if off(fine) < off(coarse) { fine } else { coarse };
+    (edge, reached(edge))
 }

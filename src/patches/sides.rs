@@ -20,14 +20,17 @@ pub enum Reach {
 }
 
 /// Rays by which a slot looks around.
-const PROBES: u32 = 16;
+pub(super) const LOOK: u32 = 16;
+
+/// Rays for a first impression.
+pub(super) const GLANCE: u32 = 4;
 
 /// The stream of random sequences for looking around; apart from all others.
 const STREAM: u64 = 1 << 40;
 
 impl Patches<'_> {
     /// Finds the reached slots and makes them patches.
-    pub(super) fn reach(&mut self, tracer: &Tracer, options: &Tessellation) -> Result<(), Cancelled> {
+    pub(super) fn reach(&mut self, tracer: &Tracer, options: &Tessellation, rays: u32) -> Result<(), Cancelled> {
         let slots = self.slots();
         let mut seen_by: Vec<Option<Vec<u32>>> = vec![None; slots];
         let mut reached = vec![false; slots];
@@ -40,7 +43,7 @@ impl Patches<'_> {
             // Let the newest slots send light on.
             while !wave.is_empty() {
                 options.progress.at("patch", 0.3)?;
-                let looks = self.look(tracer, &wave, options.seed);
+                let looks = self.look(tracer, &wave, rays, options.seed);
                 let mut next = Vec::new();
                 for (slot, landings) in wave.iter().zip(looks) {
                     let bright = self.is_bright(*slot);
@@ -56,7 +59,7 @@ impl Patches<'_> {
             let dark: Vec<u32> = (0..slots as u32).filter(|&s| !reached[s as usize]).collect();
             let unasked: Vec<u32> = dark.iter().copied().filter(|&s| seen_by[s as usize].is_none()).collect();
             options.progress.at("patch", 0.6)?;
-            for (slot, landings) in unasked.iter().zip(self.look(tracer, &unasked, options.seed)) {
+            for (slot, landings) in unasked.iter().zip(self.look(tracer, &unasked, rays, options.seed)) {
                 seen_by[*slot as usize] = Some(landings);
             }
             let sees_light = |slot: u32| match options.reach {
@@ -78,10 +81,10 @@ impl Patches<'_> {
     }
 
     /// The slots on which a few rays from each of `slots` land, each once.
-    fn look(&self, tracer: &Tracer, slots: &[u32], seed: u64) -> Vec<Vec<u32>> {
+    fn look(&self, tracer: &Tracer, slots: &[u32], rays: u32, seed: u64) -> Vec<Vec<u32>> {
         let look_from = |&slot: &u32| {
             let sequence = Sequence::new(seed, STREAM + slot as u64, 0);
-            let rays = self.rays_from(tracer, slot, sequence, 0..PROBES);
+            let rays = self.rays_from(tracer, slot, sequence, 0..rays);
             let hits = rays.filter_map(|ray| tracer.closest_hit(&ray));
             let mut landings: Vec<u32> =
                 hits.map(|hit| self.slot_at(hit.face as usize, hit.side, hit.barycentrics)).collect();

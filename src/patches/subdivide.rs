@@ -102,7 +102,8 @@ fn divide(corners: &[DVec3; 3], edge: f64) -> impl Iterator<Item = ([DVec2; 3], 
     let weights = [DVec2::ZERO, DVec2::X, DVec2::Y];
     let length = |k: usize| corners[(k + 1) % 3].distance(corners[(k + 2) % 3]);
     let lengths = [length(0), length(1), length(2)];
-    let longest = (0..3).max_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0);
+    let most = lengths[0].max(lengths[1]).max(lengths[2]);
+    let longest = lengths.iter().position(|&l| l >= most * (1.0 - 1e-9)).unwrap_or(0);
     let (a, b) = ((longest + 1) % 3, (longest + 2) % 3);
     let base = corners[b] - corners[a];
     // Where the altitude on the longest edge meets it, and how high it is.
@@ -118,11 +119,13 @@ fn divide(corners: &[DVec3; 3], edge: f64) -> impl Iterator<Item = ([DVec2; 3], 
     let on_face = [weights[0], weights[1], weights[2], weights[a].lerp(weights[b], foot)];
     pieces.into_iter().flatten().map(move |piece| {
         let side = |k: usize| at[piece[(k + 1) % 3]].distance(at[piece[(k + 2) % 3]]);
-        let mut by_length = [0, 1, 2];
-        by_length.sort_by(|&i, &j| side(i).total_cmp(&side(j)).then(i.cmp(&j)));
-        let [apex, middle, _] = by_length;
+        let sides = [side(0), side(1), side(2)];
+        let shortest = sides[0].min(sides[1]).min(sides[2]);
+        // Of equal sides take the first, and let no rounding decide.
+        let apex = sides.iter().position(|&s| s <= shortest * (1.0 + 1e-9)).unwrap_or(0);
+        let middle = sides[(apex + 1) % 3].min(sides[(apex + 2) % 3]);
         let turned = [0, 1, 2].map(|k| on_face[piece[(apex + k) % 3]]);
-        (turned, segments(side(middle), edge), segments(side(apex), edge))
+        (turned, segments(middle, edge), segments(shortest, edge))
     })
 }
 
