@@ -44,6 +44,13 @@ impl Energy {
             emitted => ((emitted - absorbed[c] - escaped[c]) / emitted).abs(),
         };
         let imbalance = (0..channels).map(off).fold(0.0, f64::max);
-        Self { emitted, absorbed, escaped, carriers: vec![0.0; channels], lost: vec![0.0; channels], imbalance }
+        Self {
+            emitted,
+            absorbed,
+            escaped,
+            carriers: vec![0.0; channels],
+            lost: vec![0.0; channels],
+            imbalance,
+        }
     }
 }

@@ -187,7 +187,8 @@ fn split_by_surface(corners: &[Corner], place: &mut [u32], found: &mut impl FnMu
         // Grow the surface at the front of the slice until no corner of the rest joins it.
         let Range { mut start, mut end } = 0..1;
         while start < end && end < rest.len() {
-            for k in end..rest.len() {
+            let candidates = end..rest.len();
+            for k in candidates {
                 if smooth(rest[start], rest[k]) {
                     rest.swap(end, k);
                     end += 1;

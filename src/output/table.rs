@@ -82,7 +82,10 @@ fn write(
 ) -> Result<(), OutputError> {
     replace(path, |file| {
         let mut table = csv::Writer::from_writer(file);
-        table.write_record(keys.iter().chain(&QUANTITIES)).and_then(|()| rows(&mut table)).map_err(io::Error::from)?;
+        table
+            .write_record(keys.iter().chain(&QUANTITIES))
+            .and_then(|()| rows(&mut table))
+            .map_err(io::Error::from)?;
         table.flush()
     })
 }
@@ -90,7 +93,11 @@ fn write(
 /// A number with nine significant digits, without trailing zeros.
 fn digits(x: f64) -> String {
     let rounded: f64 = format!("{x:.8e}").parse().unwrap_or(x);
-    if rounded != 0.0 && !(1e-4..1e9).contains(&rounded.abs()) { format!("{rounded:e}") } else { format!("{rounded}") }
+    if rounded != 0.0 && !(1e-4..1e9).contains(&rounded.abs()) {
+        format!("{rounded:e}")
+    } else {
+        format!("{rounded}")
+    }
 }
 
 #[cfg(test)]

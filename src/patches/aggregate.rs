@@ -32,7 +32,8 @@ impl Patches<'_> {
             .filter(|(_, _, patches)| !patches.is_empty())
             .map(|(face, side, patches)| {
                 let area = self.face_area(face);
-                let mean = |c: usize| patches.clone().map(|i| self.areas[i] * field[(i, c)]).sum::<f64>() / area;
+                let mean =
+                    |c: usize| patches.clone().map(|i| self.areas[i] * field[(i, c)]).sum::<f64>() / area;
                 let mean = (0..field.ncols()).map(mean).collect();
                 FaceRow { face, side, area: area * self.frame.scale().powi(2), mean }
             })

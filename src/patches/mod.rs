@@ -16,8 +16,8 @@ use crate::scene::{FaceState, Scene, Side};
 use crate::trace::{Frame, Ray, Tracer, sampling};
 pub use aggregate::FaceRow;
 pub use sides::Reach;
-use subdivide::Cuts;
 pub use subdivide::Barycentrics;
+use subdivide::Cuts;
 
 /// How finely to cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,7 +125,8 @@ impl<'s> Patches<'s> {
         let mut patches = Self::cut(tracer, edge)?;
         patches.reach(tracer, options, sides::GLANCE)?;
         for _ in 0..ATTEMPTS {
-            let shares: Vec<_> = (0..tracer.scene().faces().len()).map(|f| patches.reached_share(f)).collect();
+            let shares: Vec<_> =
+                (0..tracer.scene().faces().len()).map(|f| patches.reached_share(f)).collect();
             let expected;
             (edge, expected) = edge_for(tracer, count, |face| shares[face]);
             patches = Self::cut(tracer, edge)?;
@@ -169,8 +170,9 @@ impl<'s> Patches<'s> {
         for &slot in slots {
             self.patch_of_slot[slot as usize] = 0;
         }
-        self.slot_of_patch =
-            (0..self.patch_of_slot.len() as u32).filter(|&s| self.patch_of_slot[s as usize] != NONE).collect();
+        self.slot_of_patch = (0..self.patch_of_slot.len() as u32)
+            .filter(|&s| self.patch_of_slot[s as usize] != NONE)
+            .collect();
         for (patch, &slot) in self.slot_of_patch.iter().enumerate() {
             self.patch_of_slot[slot as usize] = patch as u32;
         }

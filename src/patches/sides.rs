@@ -30,7 +30,12 @@ const STREAM: u64 = 1 << 40;
 
 impl Patches<'_> {
     /// Finds the reached slots and makes them patches.
-    pub(super) fn reach(&mut self, tracer: &Tracer, options: &Tessellation, rays: u32) -> Result<(), Cancelled> {
+    pub(super) fn reach(
+        &mut self,
+        tracer: &Tracer,
+        options: &Tessellation,
+        rays: u32,
+    ) -> Result<(), Cancelled> {
         let slots = self.slots();
         let mut seen_by: Vec<Option<Vec<u32>>> = vec![None; slots];
         let mut reached = vec![false; slots];

@@ -80,7 +80,8 @@ impl Grid {
     /// The corners of a cell as (h, w), counter-clockwise as the whole is.
     fn corners(&self, cell: u32) -> [(f64, f64); 3] {
         let row = self.first_cell.partition_point(|&first| first <= cell) as u32 - 1;
-        let (j, second) = ((cell - self.first_cell[row as usize]) / 2, (cell - self.first_cell[row as usize]) % 2);
+        let (j, second) =
+            ((cell - self.first_cell[row as usize]) / 2, (cell - self.first_cell[row as usize]) % 2);
         let vertex = |line: u32, k: u32| {
             let h = line as f64 / self.rows as f64;
             (h, h * k as f64 / self.segments(line).max(1) as f64)

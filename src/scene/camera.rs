@@ -20,11 +20,8 @@ impl Camera {
     pub fn axes(&self) -> [DVec3; 3] {
         let forward = (self.target - self.position).normalize();
         let side = forward.cross(self.up);
-        let right = if side.length_squared() > 1e-12 {
-            side.normalize()
-        } else {
-            forward.any_orthonormal_vector()
-        };
+        let right =
+            if side.length_squared() > 1e-12 { side.normalize() } else { forward.any_orthonormal_vector() };
         [right, right.cross(forward), forward]
     }
 

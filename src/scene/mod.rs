@@ -140,7 +140,9 @@ pub enum SceneError {
         message: String,
     },
     /// The scene has no triangle.
-    #[error("{name}: the scene has no faces; check that the file holds `f` lines with at least three corners")]
+    #[error(
+        "{name}: the scene has no faces; check that the file holds `f` lines with at least three corners"
+    )]
     NoFaces {
         /// The scene.
         name: String,

@@ -59,6 +59,10 @@ impl Amplification {
 
     /// Bound on the condition number of I − K, the largest over channels.
     pub fn condition(&self) -> f64 {
-        self.inverse_norm.iter().zip(&self.norm).map(|(inverse, norm)| (1.0 + norm) * inverse).fold(1.0, f64::max)
+        self.inverse_norm
+            .iter()
+            .zip(&self.norm)
+            .map(|(inverse, norm)| (1.0 + norm) * inverse)
+            .fold(1.0, f64::max)
     }
 }

@@ -67,7 +67,9 @@ pub(super) fn iterate(
     let mut p = r.clone();
     let mut rr: Vec<f64> = r.column_iter().map(|column| column.norm_squared()).collect();
     // The residual of L is s∘r.
-    let off = |r: &DMatrix<f64>, c: usize| r.column(c).zip_fold(&s.column(c), 0.0f64, |m, r, s| m.max((r * s).abs()));
+    let off = |r: &DMatrix<f64>, c: usize| {
+        r.column(c).zip_fold(&s.column(c), 0.0f64, |m, r, s| m.max((r * s).abs()))
+    };
     let mut worst_at_start = f64::NAN;
     while passes < options.iterations {
         let offs: Vec<f64> = (0..channels).map(|c| off(&r, c)).collect();

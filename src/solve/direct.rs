@@ -78,7 +78,8 @@ impl Direct<'_> {
     /// If `e` is not n × c.
     pub fn solve(&self, e: &DMatrix<f64>) -> Solution {
         assert_eq!(e.shape(), (self.k.len(), self.k.channels()), "the right-hand side is n × c");
-        let substitute = |e: &DMatrix<f64>| back_substitute(self.k, &self.scale, &self.factors, &self.factor_of, e);
+        let substitute =
+            |e: &DMatrix<f64>| back_substitute(self.k, &self.scale, &self.factors, &self.factor_of, e);
         let radiance = substitute(e);
         // Refine once: solve for what the residual says is left.
         let residual = e + self.k.reflect(&self.k.irradiance(&radiance)) - &radiance;
@@ -106,10 +107,12 @@ fn distinct_channels(reflectance: &DMatrix<f64>) -> (Vec<usize>, Vec<usize>) {
     let mut distinct: Vec<usize> = Vec::new();
     let factor_of = (0..reflectance.ncols())
         .map(|c| {
-            distinct.iter().position(|&d| reflectance.column(d) == reflectance.column(c)).unwrap_or_else(|| {
-                distinct.push(c);
-                distinct.len() - 1
-            })
+            distinct.iter().position(|&d| reflectance.column(d) == reflectance.column(c)).unwrap_or_else(
+                || {
+                    distinct.push(c);
+                    distinct.len() - 1
+                },
+            )
         })
         .collect();
     (factor_of, distinct)

@@ -182,7 +182,13 @@ fn judge(
     let bound = (0..e.ncols())
         .map(|c| relative(amplification.of(c) * r.column(c).amax(), l.column(c).amax()))
         .fold(0.0, f64::max);
-    Report { name, iterations, residual: relative_residual(r, e), bound, condition: amplification.condition() }
+    Report {
+        name,
+        iterations,
+        residual: relative_residual(r, e),
+        bound,
+        condition: amplification.condition(),
+    }
 }
 
 /// max over channels of ‖r‖∞ / ‖e‖∞.

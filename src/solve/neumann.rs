@@ -105,5 +105,9 @@ fn tail_bound(norm: &[f64], added: &DMatrix<f64>, sum: &DMatrix<f64>) -> f64 {
 
 /// How far the residual has come from its first value to the tolerance, on a logarithmic scale.
 fn progress_made(first: f64, now: f64, tolerance: f64) -> f64 {
-    if tolerance > 0.0 && first > tolerance { ((first / now).ln() / (first / tolerance).ln()).clamp(0.0, 0.99) } else { 0.0 }
+    if tolerance > 0.0 && first > tolerance {
+        ((first / now).ln() / (first / tolerance).ln()).clamp(0.0, 0.99)
+    } else {
+        0.0
+    }
 }

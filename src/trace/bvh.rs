@@ -75,12 +75,8 @@ impl Bvh {
     }
 
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        let mut best = Hit {
-            face: u32::MAX,
-            side: Side::Front,
-            distance: f64::INFINITY,
-            barycentrics: [0.0; 2],
-        };
+        let mut best =
+            Hit { face: u32::MAX, side: Side::Front, distance: f64::INFINITY, barycentrics: [0.0; 2] };
         let (ray, skipped) = approach(ray);
         let shear = Shear::new(ray.origin, ray.direction);
         self.walk(0, &Slabs::new(&ray), f32::INFINITY, &mut |k| {
@@ -167,9 +163,9 @@ impl Node {
         let mut planes = [[Vec4::INFINITY, Vec4::NEG_INFINITY]; 3];
         let mut slots = [Child::default(); 4];
         for (lane, (bounds, child)) in children.iter().enumerate() {
-            for axis in 0..3 {
-                planes[axis][0][lane] = bounds.min[axis];
-                planes[axis][1][lane] = bounds.max[axis];
+            for (axis, [lower, upper]) in planes.iter_mut().enumerate() {
+                lower[lane] = bounds.min[axis];
+                upper[lane] = bounds.max[axis];
             }
             slots[lane] = *child;
         }
@@ -210,7 +206,8 @@ fn fold(binary: &Bvh2, root: u32, nodes: &mut Vec<Node>) -> u32 {
 }
 
 fn padded_box(corners: &[DVec3; 3]) -> Aabb {
-    let [low, high] = [DVec3::min, DVec3::max].map(|pick| pick(pick(corners[0], corners[1]), corners[2]).as_vec3());
+    let [low, high] =
+        [DVec3::min, DVec3::max].map(|pick| pick(pick(corners[0], corners[1]), corners[2]).as_vec3());
     Aabb { min: Vec3A::from(low - Vec3::splat(PAD)), max: Vec3A::from(high + Vec3::splat(PAD)) }
 }
 

@@ -147,7 +147,11 @@ fn advance(problem: &mut Problem, from: &State, step: &DVector<f64>) -> Option<S
 mod tests {
     use super::*;
 
-    fn balance_dense(m: DMatrix<f64>, escape: &[f64], target: &[f64]) -> (DMatrix<f64>, DVector<f64>, Closure) {
+    fn balance_dense(
+        m: DMatrix<f64>,
+        escape: &[f64],
+        target: &[f64],
+    ) -> (DMatrix<f64>, DVector<f64>, Closure) {
         let storage = Storage::Dense(m.map(|x| x as f32));
         let (escape, target) = (DVector::from_row_slice(escape), DVector::from_row_slice(target));
         let (d, closure) = balance(&storage, &escape, &target, Progress::default()).unwrap();

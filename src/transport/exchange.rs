@@ -245,7 +245,8 @@ fn sparse(
     let rows: Vec<Vec<(u32, f32)>> = (0..n)
         .into_par_iter()
         .map(|i| {
-            let mut both: Vec<(u32, u32)> = counts[i].iter().filter(|c| c.0 != AWAY).chain(&from[i]).copied().collect();
+            let mut both: Vec<(u32, u32)> =
+                counts[i].iter().filter(|c| c.0 != AWAY).chain(&from[i]).copied().collect();
             both.sort_unstable_by_key(|&(j, _)| j);
             both.chunk_by(|a, b| a.0 == b.0)
                 .map(|pair| {
@@ -275,7 +276,9 @@ impl Storage {
 
     fn for_row(&self, i: usize, mut f: impl FnMut(usize, f32)) {
         match self {
-            Storage::Dense(m) => m.column(i).iter().enumerate().filter(|(_, v)| **v != 0.0).for_each(|(j, &v)| f(j, v)),
+            Storage::Dense(m) => {
+                m.column(i).iter().enumerate().filter(|(_, v)| **v != 0.0).for_each(|(j, &v)| f(j, v))
+            }
             Storage::Sparse(m) => {
                 m.outer_view(i).iter().for_each(|row| row.iter().for_each(|(j, &v)| f(j, v)));
             }

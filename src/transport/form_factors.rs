@@ -1,8 +1,8 @@
 //! Form factors: F_ij, the fraction of what patch i sends out that lands on patch j.
 
+use super::TransportError;
 use super::exchange::{Exchange, StorageKind};
 use super::rays::{BATCHES, Landings};
-use super::TransportError;
 use crate::patches::Patches;
 use crate::progress::Progress;
 use crate::trace::{Tracer, sampling};
@@ -26,7 +26,13 @@ pub struct TraceOptions<'a> {
 impl Default for TraceOptions<'_> {
     /// The usual rays, the smaller storage, 4 GiB.
     fn default() -> Self {
-        Self { rays: None, seed: 0, storage: StorageKind::Auto, memory: 4 << 30, progress: Progress::default() }
+        Self {
+            rays: None,
+            seed: 0,
+            storage: StorageKind::Auto,
+            memory: 4 << 30,
+            progress: Progress::default(),
+        }
     }
 }
 
@@ -70,7 +76,8 @@ impl FormFactors {
         check_memory(patches.len() as u64, rays as u64, options)?;
         let landings = Landings::trace(tracer, patches, rays, options.seed, options.progress)?;
         options.progress.at("balance", 0.0)?;
-        let exchange = Exchange::from_landings(&landings, patches.areas(), options.storage, options.progress)?;
+        let exchange =
+            Exchange::from_landings(&landings, patches.areas(), options.storage, options.progress)?;
         Ok(Self { exchange, rays })
     }
 

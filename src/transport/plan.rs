@@ -53,7 +53,11 @@ impl Plan {
                 effect(
                     "colour",
                     scene.channels() > 1,
-                    if scene.channels() > 1 { "channels differ" } else { "all channels agree: one is solved" },
+                    if scene.channels() > 1 {
+                        "channels differ"
+                    } else {
+                        "all channels agree: one is solved"
+                    },
                 ),
                 called_for("mirror", "mirror", &surface(Surface::Mirror)),
                 called_for("dielectric", "glass or water", &surface(Surface::Dielectric)),

@@ -17,7 +17,12 @@ fn mesh(name: &str) -> Scene {
     Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
-fn factors<'s>(scene: &'s Scene, count: usize, rays: u32, storage: StorageKind) -> (Patches<'s>, FormFactors) {
+fn factors<'s>(
+    scene: &'s Scene,
+    count: usize,
+    rays: u32,
+    storage: StorageKind,
+) -> (Patches<'s>, FormFactors) {
     let tracer = Tracer::new(scene);
     let size = PatchSize::Count(count);
     let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
@@ -83,7 +88,8 @@ fn a_furnace_is_exact_in_every_patch_and_at_every_order() {
                 let options = NeumannOptions { order, tolerance: 0.0, ..Default::default() };
                 let series = solve::neumann(&k, &e, &options).unwrap();
                 let exact = emitted * (1.0 - rho.powi(order as i32 + 1)) / (1.0 - rho);
-                let worst = series.solution.radiance.iter().map(|l| (l / exact - 1.0).abs()).fold(0.0, f64::max);
+                let worst =
+                    series.solution.radiance.iter().map(|l| (l / exact - 1.0).abs()).fold(0.0, f64::max);
                 assert!(series.order() == order && worst < 1e-11, "{name} order {order}: {worst}");
             }
         }
@@ -108,7 +114,10 @@ fn the_ideal_sphere_has_its_closed_form_at_every_order() {
             let series = solve::neumann(&k, &e, &options).unwrap();
             let missing = mean * rho.powi(order as i32 + 1) / (1.0 - rho);
             let error = &exact - &series.solution.radiance;
-            assert!(error.iter().all(|x| (x - missing).abs() < 1e-6 * exact.amax()), "ρ = {rho}, order {order}");
+            assert!(
+                error.iter().all(|x| (x - missing).abs() < 1e-6 * exact.amax()),
+                "ρ = {rho}, order {order}"
+            );
         }
     }
 }
@@ -126,7 +135,11 @@ fn the_solvers_agree_and_energy_balances_on_every_mesh() {
                 let off = difference(&other.radiance, &direct.radiance);
                 assert!(off < 1e-8, "{name} {storage:?} {}: {off}", other.report.name);
                 // The bound is tight in a furnace and holds in exact arithmetic: allow for rounding.
-                assert!(off <= other.report.bound * (1.0 + 1e-4), "{name} {}: {off} exceeds its bound", other.report.name);
+                assert!(
+                    off <= other.report.bound * (1.0 + 1e-4),
+                    "{name} {}: {off} exceeds its bound",
+                    other.report.name
+                );
             }
             let energy = Energy::new(&k, &e, &direct.radiance, 1.0);
             assert!(energy.imbalance < 1e-9, "{name} {storage:?}: {energy:?}");

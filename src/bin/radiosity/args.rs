@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use radiosity::output::{self, Exposure, OutputError, Outlines, Picture, RenderOptions, Shading};
+use radiosity::output::{self, Exposure, Outlines, OutputError, Picture, RenderOptions, Shading};
 use radiosity::patches::{PatchSize, Patches, Reach, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Camera, Scene, SceneError};
@@ -38,8 +38,9 @@ impl SceneArgs {
     /// The folder for the results, made if it is not there.
     pub fn folder(&self, scene: &Scene) -> Result<PathBuf, Failure> {
         let folder = self.out.clone().unwrap_or_else(|| Path::new("out").join(scene.name()));
-        std::fs::create_dir_all(&folder)
-            .map_err(|e| format!("cannot make the folder {}: {e}; choose another with --out", folder.display()))?;
+        std::fs::create_dir_all(&folder).map_err(|e| {
+            format!("cannot make the folder {}: {e}; choose another with --out", folder.display())
+        })?;
         Ok(folder)
     }
 }
@@ -238,7 +239,10 @@ fn positive(text: &str) -> Result<usize, String> {
 }
 
 fn positive_length(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "must be a number above 0".into())
+    text.parse()
+        .ok()
+        .filter(|x: &f64| x.is_finite() && *x > 0.0)
+        .ok_or_else(|| "must be a number above 0".into())
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

@@ -36,7 +36,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let k = Transport::of(&factors, &patches)?;
     let solution = solve::solve(&k, &patches.sources(), &args.solver.options(&args.run, progress))?;
     let camera = args.picture.camera(&tracer, &patches);
-    let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &args.picture.options(progress))?;
+    let picture =
+        output::render(&tracer, &patches, &solution.radiance, &camera, &args.picture.options(progress))?;
     progress.at("write", 0.0)?;
     let folder = args.scene.folder(&scene)?;
     let files = args.picture.save(&picture, &folder)?;

@@ -45,7 +45,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let series = solve::neumann(&k, &sources, &NeumannOptions { order, tolerance, progress })?;
 
     let camera = args.picture.camera(&tracer, &patches);
-    let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &args.picture.options(progress))?;
+    let picture =
+        output::render(&tracer, &patches, &solution.radiance, &camera, &args.picture.options(progress))?;
     progress.at("write", 0.0)?;
     let folder = args.scene.folder(&scene)?;
     let mut files = vec!["solution.json", "faces.csv", "patches.csv", "mesh.ply"];
@@ -87,7 +88,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
 fn report(summary: &Summary, faces: usize, bytes: u64, terminal: &Terminal) {
     let Summary { solver, series, energy, closure, .. } = summary;
     let say = |line: std::fmt::Arguments| terminal.say(line);
-    let channels = if summary.channels == 1 { "one channel".into() } else { format!("{} channels", summary.channels) };
+    let channels =
+        if summary.channels == 1 { "one channel".into() } else { format!("{} channels", summary.channels) };
     say(format_args!("{}: {faces} faces, {} patches, {channels}\n", summary.scene, summary.patches));
     say(format_args!(
         "form factors  {} rays a patch, {} {}; rows close to {:.0e}, from {:.0e} before balancing",
