@@ -1,7 +1,7 @@
 //! View: a camera for scenes that bring none.
 //!
 //! Many cameras, inside the scene and around it, cast a few rays each. The best is the one with the highest viewpoint
-//! entropy, −Σ p log p over the surfaces in the picture with p the share each takes up (Vázquez et al. 2001), less
+//! entropy, −Σ p log p over the surfaces in the picture with p each one's share of them (Vázquez et al. 2001), less
 //! what spoils a picture: unlit sides, emptiness, and things right before the lens.
 
 use std::collections::HashMap;
@@ -17,6 +17,9 @@ use crate::trace::{Ray, Tracer};
 const FOV_OUTSIDE: f64 = 40.0;
 const FOV_INSIDE: f64 = 60.0;
 
+/// A picture filled less than this with lit surfaces is called empty.
+const ENOUGH: f64 = 0.4;
+
 /// Rays across and down.
 const GRID: [usize; 2] = [32, 24];
 
@@ -26,7 +29,7 @@ const GRID: [usize; 2] = [32, 24];
 pub fn default_camera(tracer: &Tracer, patches: &Patches) -> Camera {
     let extent = Extent::of(tracer);
     let up = up_axis(tracer, &extent);
-    let candidates = candidates(&extent, up);
+    let candidates = candidates(&extent, interest(tracer, patches).unwrap_or(extent.centre), up);
     let scores: Vec<f64> = candidates.par_iter().map(|camera| score(tracer, patches, camera)).collect();
     let best = (0..candidates.len()).max_by(|&i, &j| scores[i].total_cmp(&scores[j]).then(j.cmp(&i)));
     let camera = candidates[best.unwrap_or(0)];
@@ -69,19 +72,29 @@ fn up_axis(tracer: &Tracer, extent: &Extent) -> DVec3 {
     if down.z < -0.9 || (flat && down.y > -0.9) { DVec3::Z } else { DVec3::Y }
 }
 
+/// The mean of the patches' centres: where detail is, whatever its size. Normalised frame.
+fn interest(tracer: &Tracer, patches: &Patches) -> Option<DVec3> {
+    let step = patches.len() / 5000 + 1;
+    let centres = (0..patches.len()).step_by(step).map(|i| tracer.frame().from_world(patches.centre(i)));
+    let (sum, count) = centres.fold((DVec3::ZERO, 0.0), |(sum, count), p| (sum + p, count + 1.0));
+    (count > 0.0).then(|| sum / count)
+}
+
 /// Cameras to try, normalised frame.
-fn candidates(extent: &Extent, up: DVec3) -> Vec<Camera> {
+fn candidates(extent: &Extent, interest: DVec3, up: DVec3) -> Vec<Camera> {
     let mut cameras = Vec::new();
     let side = if up == DVec3::Y { DVec3::Z } else { -DVec3::Y };
     let right = up.cross(side);
     let Extent { centre, half } = *extent;
     let at = |x: f64, y: f64, z: f64| centre + half * (right * x + up * y + side * z);
-    // Inside: from places at two heights, near the walls and in the middle, towards the middle and along the axes.
+    // Inside: from places at two heights, near the walls and in the middle, towards
+    // the middle, the detail and along the axes.
     for height in [0.1, 0.45] {
         for [x, z] in
             [-0.85, -0.4, 0.0, 0.4, 0.85].into_iter().flat_map(|x| [-0.85, 0.0, 0.85].map(|z| [x, z]))
         {
-            let targets = [at(0.0, -0.1, 0.0), at(-0.3 * x, height - 0.25, -z), at(-x, height - 0.25, z)];
+            let targets =
+                [interest, at(0.0, -0.1, 0.0), at(-0.3 * x, height - 0.25, -z), at(-x, height - 0.25, z)];
             for target in targets {
                 let position = at(x, height, z);
                 if position.distance(target) > 0.2 * half.length() {
@@ -90,7 +103,7 @@ fn candidates(extent: &Extent, up: DVec3) -> Vec<Camera> {
             }
         }
     }
-    // Outside: around the scene, looking down on it more or less, with all of it or its middle in the picture.
+    // Outside: around the scene, looking down on it more or less, with all of it or its detail in the picture.
     for turn in 0..16 {
         let azimuth = std::f64::consts::TAU * turn as f64 / 16.0;
         for elevation in [2.0f64, 18.0, 38.0].map(f64::to_radians) {
@@ -99,7 +112,8 @@ fn candidates(extent: &Extent, up: DVec3) -> Vec<Camera> {
             let all = fitting(extent, towards, up);
             cameras.push(all);
             for closer in [0.6, 0.35] {
-                cameras.push(Camera { position: all.target + (all.position - all.target) * closer, ..all });
+                let position = interest + (all.position - all.target) * closer;
+                cameras.push(Camera { position, target: interest, ..all });
             }
         }
     }
@@ -151,9 +165,10 @@ fn score(tracer: &Tracer, patches: &Patches, camera: &Camera) -> f64 {
     // Sum in a fixed order: the map has none.
     let mut shares: Vec<f64> = surfaces.into_values().collect();
     shares.sort_by(f64::total_cmp);
-    let entropy: f64 = shares.iter().map(|p| -p * p.ln()).sum();
-    let spoilt = (1.0f64 - 1.5 * dark).max(0.0) * (1.0 - near).max(0.0) * (1.0 - 0.3 * backs);
-    entropy * spoilt
+    let filled: f64 = shares.iter().sum();
+    let entropy: f64 = shares.iter().map(|p| -p / filled * (p / filled).ln()).sum();
+    let spoilt = (1.0f64 - 1.5 * dark).max(0.0) * (1.0 - near).max(0.0) * (1.0 - 0.7 * backs);
+    if filled > 0.0 { entropy * spoilt * (filled / ENOUGH).min(1.0).sqrt() } else { 0.0 }
 }
 
 /// A name for what is seen: material, object, which way it faces, and roughly where it is.
