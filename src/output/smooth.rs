@@ -159,8 +159,11 @@ fn surface(tracer: &Tracer, face: usize, side: Side) -> u32 {
     2 * tracer.scene().faces()[face].material + u32::from(emits)
 }
 
-/// The ends of a face's edge `k`, from corner k to the next, the same for every face that has this edge.
-fn edge_ends(tracer: &Tracer, face: usize, k: usize) -> [[u64; 3]; 2] {
+/// The ends of an edge, the same for every face that has it: the bits of their coordinates, in ascending order.
+type Edge = [[u64; 3]; 2];
+
+/// A face's edge `k`, from corner k to the next.
+fn edge_of(tracer: &Tracer, face: usize, k: usize) -> Edge {
     let corners = tracer.corners(face);
     // Adding zero makes -0.0 and 0.0 the same place.
     let mut ends = [k, (k + 1) % 3].map(|k| (corners[k] + DVec3::ZERO).to_array().map(f64::to_bits));
@@ -171,7 +174,7 @@ fn edge_ends(tracer: &Tracer, face: usize, k: usize) -> [[u64; 3]; 2] {
 /// Where corners of patches lie within an edge of their face: the patches of the other faces with that edge.
 fn corners_on_edges(tracer: &Tracer, patches: &Patches) -> Vec<Corner> {
     // Collect the places, by edge.
-    let mut places: HashMap<[[u64; 3]; 2], Vec<(usize, DVec3, f64)>> = HashMap::new();
+    let mut places: HashMap<Edge, Vec<(usize, DVec3, f64)>> = HashMap::new();
     let faces = tracer.scene().faces().len();
     let cut = |&face: &usize| Side::BOTH.iter().any(|&side| patches.patches_of(face, side).len() > 1);
     for face in (0..faces).filter(cut) {
@@ -183,7 +186,7 @@ fn corners_on_edges(tracer: &Tracer, patches: &Patches) -> Vec<Corner> {
                 if let Some(k) = (0..3).find(|&k| weights[k] && weights[(k + 1) % 3] && !weights[(k + 2) % 3])
                 {
                     let place = (face, corner.position, corner.same);
-                    places.entry(edge_ends(tracer, face, k)).or_default().push(place);
+                    places.entry(edge_of(tracer, face, k)).or_default().push(place);
                 }
             }
         }
@@ -194,7 +197,7 @@ fn corners_on_edges(tracer: &Tracer, patches: &Patches) -> Vec<Corner> {
     // Find the other faces' patches there.
     let kept = (0..faces).filter(|&face| tracer.scene().faces()[face].state == FaceState::Kept);
     let edges = kept.flat_map(|face| [0, 1, 2].map(|k| (face, k)));
-    let met = edges.filter_map(|(face, k)| Some((face, k, places.get(&edge_ends(tracer, face, k))?)));
+    let met = edges.filter_map(|(face, k)| Some((face, k, places.get(&edge_of(tracer, face, k))?)));
     met.flat_map(|(face, k, places)| {
         let others = places.iter().filter(move |place| place.0 != face);
         others.flat_map(move |&(_, position, same)| on_edge(tracer, patches, face, k, position, same))
@@ -281,7 +284,8 @@ fn split_by_surface(corners: &[Corner], place: &mut [u32], found: &mut impl FnMu
         // Grow the surface at the front of the slice until no corner of the rest joins it.
         let (mut start, mut end) = (0, 1);
         while start < end && end < rest.len() {
-            for k in end..rest.len() {
+            let first_left = end;
+            for k in first_left..rest.len() {
                 if smooth(rest[start], rest[k]) {
                     rest.swap(end, k);
                     end += 1;

@@ -17,6 +17,9 @@ use crate::trace::{Ray, Tracer};
 const FOV_OUTSIDE: f64 = 40.0;
 const FOV_INSIDE: f64 = 60.0;
 
+/// Width of the picture by its height.
+const ASPECT: f64 = 4.0 / 3.0;
+
 /// A picture filled less than this with lit surfaces is called empty.
 const ENOUGH: f64 = 0.4;
 
@@ -29,8 +32,12 @@ const GRID: [usize; 2] = [32, 24];
 pub fn default_camera(tracer: &Tracer, patches: &Patches) -> Camera {
     let extent = Extent::of(tracer);
     let up = up_axis(tracer, &extent);
-    let candidates = candidates(&extent, interest(tracer, patches).unwrap_or(extent.centre), up);
-    let scores: Vec<f64> = candidates.par_iter().map(|camera| score(tracer, patches, camera)).collect();
+    let detail = detail(tracer, patches);
+    let interest = detail.iter().sum::<DVec3>() / detail.len().max(1) as f64;
+    let candidates = candidates(&extent, if detail.is_empty() { extent.centre } else { interest }, up);
+    let score =
+        |camera: &Camera| score(tracer, patches, camera) * (0.4 + 0.6 * share_in_frame(camera, &detail));
+    let scores: Vec<f64> = candidates.par_iter().map(score).collect();
     let best = (0..candidates.len()).max_by(|&i, &j| scores[i].total_cmp(&scores[j]).then(j.cmp(&i)));
     let camera = candidates[best.unwrap_or(0)];
     let to_world = |p| tracer.frame().to_world(p);
@@ -72,12 +79,22 @@ fn up_axis(tracer: &Tracer, extent: &Extent) -> DVec3 {
     if down.z < -0.9 || (flat && down.y > -0.9) { DVec3::Z } else { DVec3::Y }
 }
 
-/// The mean of the patches' centres: where detail is, whatever its size. Normalised frame.
-fn interest(tracer: &Tracer, patches: &Patches) -> Option<DVec3> {
-    let step = patches.len() / 5000 + 1;
-    let centres = (0..patches.len()).step_by(step).map(|i| tracer.frame().from_world(patches.centre(i)));
-    let (sum, count) = centres.fold((DVec3::ZERO, 0.0), |(sum, count), p| (sum + p, count + 1.0));
-    (count > 0.0).then(|| sum / count)
+/// Some of the patches' centres: more where there is detail. Normalised frame.
+fn detail(tracer: &Tracer, patches: &Patches) -> Vec<DVec3> {
+    let step = patches.len() / 500 + 1;
+    (0..patches.len()).step_by(step).map(|i| tracer.frame().from_world(patches.centre(i))).collect()
+}
+
+/// Which share of `places` lies within the frame, seen or hidden.
+fn share_in_frame(camera: &Camera, places: &[DVec3]) -> f64 {
+    let [right, up, forward] = camera.axes();
+    let tangent = (0.5 * camera.fov.to_radians()).tan();
+    let is_inside = |&p: &DVec3| {
+        let p = p - camera.position;
+        let reach = p.dot(forward) * tangent;
+        p.dot(right).abs() <= reach * ASPECT && p.dot(up).abs() <= reach
+    };
+    places.iter().copied().filter(is_inside).count() as f64 / places.len().max(1) as f64
 }
 
 /// Cameras to try, normalised frame.
@@ -120,7 +137,7 @@ fn candidates(extent: &Extent, interest: DVec3, up: DVec3) -> Vec<Camera> {
     cameras
 }
 
-/// The camera in direction `towards` of the scene's centre that has the whole box in a 4:3 picture.
+/// The camera in direction `towards` of the scene's centre that has the whole box in the picture.
 fn fitting(extent: &Extent, towards: DVec3, up: DVec3) -> Camera {
     let camera = Camera { position: extent.centre + towards, target: extent.centre, up, fov: FOV_OUTSIDE };
     let [right, top, forward] = camera.axes();
@@ -128,7 +145,7 @@ fn fitting(extent: &Extent, towards: DVec3, up: DVec3) -> Camera {
     // Each corner must lie within the frame: far enough away for its sideways distance.
     let needed = |p: DVec3| {
         let p = p - extent.centre;
-        let sideways = (p.dot(right).abs() / (4.0 / 3.0)).max(p.dot(top).abs());
+        let sideways = (p.dot(right).abs() / ASPECT).max(p.dot(top).abs());
         1.06 * sideways / tangent - p.dot(forward)
     };
     let distance = extent.corners().map(needed).fold(1e-3, f64::max);
@@ -142,9 +159,10 @@ fn score(tracer: &Tracer, patches: &Patches, camera: &Camera) -> f64 {
     let tangent = (0.5 * camera.fov.to_radians()).tan();
     let mut surfaces: HashMap<u64, f64> = HashMap::new();
     let (mut dark, mut near, mut backs) = (0.0, 0.0, 0.0);
+    let lit = tracer.scene().require_light().is_ok() && !patches.is_empty();
     let one = 1.0 / (columns * rows) as f64;
     for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
-        let x = ((column as f64 + 0.5) / columns as f64 * 2.0 - 1.0) * tangent * 4.0 / 3.0;
+        let x = ((column as f64 + 0.5) / columns as f64 * 2.0 - 1.0) * tangent * ASPECT;
         let y = (1.0 - (row as f64 + 0.5) / rows as f64 * 2.0) * tangent;
         let direction = (forward + right * x + up * y).normalize();
         let Some(hit) = tracer.closest_hit(&Ray { origin: camera.position, direction, from: Ray::FREE })
@@ -152,7 +170,7 @@ fn score(tracer: &Tracer, patches: &Patches, camera: &Camera) -> f64 {
             continue;
         };
         let face = hit.face as usize;
-        if patches.patch_at(face, hit.side, hit.barycentrics).is_none() && !patches.is_empty() {
+        if lit && patches.patch_at(face, hit.side, hit.barycentrics).is_none() {
             dark += one;
             continue;
         }
@@ -181,4 +199,68 @@ fn surface(tracer: &Tracer, face: usize, side: Side, place: DVec3) -> u64 {
     [material as i64, object as i64, a, b, c, x, y, z]
         .iter()
         .fold(0u64, |name, &part| name.wrapping_mul(1_000_003).wrapping_add(part as u64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{cut, quad, room, triangles};
+    use super::*;
+    use crate::patches::Reach;
+    use crate::scene::{Material, Scene};
+
+    const X: [f64; 3] = [1.0, 0.0, 0.0];
+    const Y: [f64; 3] = [0.0, 1.0, 0.0];
+    const Z: [f64; 3] = [0.0, 0.0, 1.0];
+
+    fn camera_for(scene: &Scene) -> Camera {
+        let tracer = Tracer::new(scene);
+        let camera = default_camera(&tracer, &cut(&tracer, 0.2, Reach::Light));
+        assert!(camera.is_valid());
+        camera
+    }
+
+    /// The unit cube seen from outside, moved up by `height`.
+    fn block(height: f64) -> Vec<[[f64; 3]; 3]> {
+        let o = [0.0, height, 0.0];
+        let (x, y, z) = ([1.0, height, 0.0], [0.0, height + 1.0, 0.0], [0.0, height, 1.0]);
+        [quad(o, X, Z), quad(o, Y, X), quad(o, Z, Y), quad(y, Z, X), quad(z, X, Y), quad(x, Y, Z)].concat()
+    }
+
+    #[test]
+    fn stands_inside_a_closed_room() {
+        let position = camera_for(&room(Material::lamp("wall", &[0.5], &[1.0]))).position;
+        assert!(position.min_element() > 0.0 && position.max_element() < 1.0, "{position}");
+    }
+
+    #[test]
+    fn looks_into_an_open_box_from_outside() {
+        let walls =
+            [quad([0.0; 3], Z, X), quad([0.0; 3], X, Y), quad([0.0; 3], Y, Z), quad(Y, X, Z), quad(X, Z, Y)];
+        // There is no wall at z = 1.
+        let scene = triangles(&walls.concat(), &[0; 10], vec![Material::lamp("wall", &[0.5], &[1.0])]);
+        assert!(camera_for(&scene).position.z > 1.0);
+    }
+
+    #[test]
+    fn stands_around_a_lone_object() {
+        let scene = triangles(&block(0.0), &[0; 12], vec![Material::lamp("block", &[0.5], &[1.0])]);
+        let position = camera_for(&scene).position - DVec3::splat(0.5);
+        assert!(position.abs().max_element() > 0.7, "{position}");
+    }
+
+    #[test]
+    fn stands_above_the_ground_an_object_stands_on() {
+        let mut faces = block(1e-3);
+        faces.extend(quad([-4.0, 0.0, -4.0], [0.0, 0.0, 9.0], [9.0, 0.0, 0.0]));
+        let of: Vec<u32> = (0..14).map(|f| u32::from(f < 12)).collect();
+        let materials = vec![Material::diffuse("ground", &[0.5]), Material::lamp("block", &[0.5], &[1.0])];
+        let camera = camera_for(&triangles(&faces, &of, materials));
+        assert!(camera.position.y > 0.1, "{camera:?}");
+    }
+
+    #[test]
+    fn stays_valid_where_there_is_almost_nothing() {
+        let speck = [[[0.0; 3], [1e-9, 0.0, 0.0], [0.0, 1e-9, 0.0]]];
+        camera_for(&triangles(&speck, &[0], vec![Material::diffuse("speck", &[0.5])]));
+    }
 }
