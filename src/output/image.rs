@@ -132,7 +132,7 @@ fn in_rows(
     pixels.par_chunks_mut(width).enumerate().try_for_each(|(y, row)| {
         row.iter_mut().enumerate().for_each(|(x, pixel)| work(pixel, x, y));
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        if done % 16 == 0 || done == rows {
+        if done.is_multiple_of(16) || done == rows {
             progress.at("render", from + (to - from) * done as f64 / rows as f64)?;
         }
         Ok(())

@@ -369,6 +369,39 @@ mod tests {
         }
     }
 
+    /// The smoothed x + y along the line x + y = 1, as pairs of x and value.
+    fn along_diagonal(faces: &[[[f64; 3]; 3]]) -> Vec<(f64, f64)> {
+        let scene = triangles(faces, &vec![0; faces.len()], vec![Material::lamp("wall", &[0.5], &[1.0])]);
+        let tracer = Tracer::new(&scene);
+        let patches = cut(&tracer, 0.07, Reach::Light);
+        let smooth = SmoothField::new(&tracer, &patches, &from_centres(&patches, |p| p.x + p.y));
+        let points = smooth.points().iter().map(|&p| tracer.frame().to_world(p));
+        let mut found: Vec<(f64, f64)> = points
+            .zip(0..)
+            .filter(|(p, _)| (p.x + p.y - 1.0).abs() < 1e-9 && (0.1..0.9).contains(&p.x))
+            .map(|(p, k)| (p.x, smooth.value(k)[0]))
+            .collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found
+    }
+
+    #[test]
+    fn faces_cut_unlike_each_other_share_what_they_know_at_their_edge() {
+        // Both have the edge from x to y; the second is smaller and cut into fewer rows.
+        let (x, y) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        let faces = [[[0.0; 3], x, y], [x, [0.7, 0.6, 0.0], y]];
+        let both = along_diagonal(&faces);
+        let alone = [along_diagonal(&faces[..1]), along_diagonal(&faces[1..])];
+        // One point a place, and the places of both cuts.
+        assert!(both.windows(2).all(|pair| pair[1].0 - pair[0].0 > 1e-6), "{both:?}");
+        assert!(both.len() > alone[0].len().max(alone[1].len()), "{both:?}");
+        // Each side alone misses the value 1 towards itself; equal shares of both miss by at most half of the worse.
+        let miss =
+            |line: &[(f64, f64)]| line.iter().map(|(_, value)| (value - 1.0).abs()).fold(0.0, f64::max);
+        let worse = miss(&alone[0]).max(miss(&alone[1]));
+        assert!(miss(&both) <= 0.5 * worse, "{} {worse}", miss(&both));
+    }
+
     #[test]
     fn a_gentle_bend_is_smooth_and_both_halves_share_its_points() {
         let bend = 20f64.to_radians();
