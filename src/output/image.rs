@@ -139,7 +139,16 @@ fn in_rows(
     })
 }
 
-/// What the rays of one pixel found.
+/// What one ray saw.
+#[derive(Clone, Copy, Default)]
+struct Seen {
+    radiance: DVec3,
+    is_lamp: bool,
+    /// The factor by which an outline dims it.
+    outline: f64,
+}
+
+/// What the rays of one pixel saw.
 #[derive(Clone, Copy)]
 struct Samples {
     count: u32,
@@ -148,7 +157,8 @@ struct Samples {
     /// Sum over, and number of, those that met a lamp.
     lamp_sum: DVec3,
     lamps: u32,
-    /// Smallest and largest sample, channel by channel.
+    /// Sum, smallest and largest, channel by channel, as if there were no outlines: those need no more samples.
+    plain: DVec3,
     low: DVec3,
     high: DVec3,
 }
@@ -160,6 +170,7 @@ impl Default for Samples {
             sum: DVec3::ZERO,
             lamp_sum: DVec3::ZERO,
             lamps: 0,
+            plain: DVec3::ZERO,
             low: DVec3::INFINITY,
             high: DVec3::NEG_INFINITY,
         }
@@ -167,15 +178,17 @@ impl Default for Samples {
 }
 
 impl Samples {
-    fn add(&mut self, radiance: DVec3, is_lamp: bool) {
+    fn add(&mut self, seen: Seen) {
+        let radiance = seen.radiance * seen.outline;
         self.count += 1;
         self.sum += radiance;
-        if is_lamp {
+        if seen.is_lamp {
             self.lamp_sum += radiance;
             self.lamps += 1;
         }
-        self.low = self.low.min(radiance);
-        self.high = self.high.max(radiance);
+        self.plain += seen.radiance;
+        self.low = self.low.min(seen.radiance);
+        self.high = self.high.max(seen.radiance);
     }
 
     fn mean(&self) -> ([f32; 3], LampPart) {
@@ -190,7 +203,7 @@ impl Samples {
 
 /// The pixels that need more samples.
 fn rough_pixels(pixels: &[Samples], width: usize) -> Vec<bool> {
-    let means: Vec<DVec3> = pixels.iter().map(|p| p.sum / p.count as f64).collect();
+    let means: Vec<DVec3> = pixels.iter().map(|p| p.plain / p.count as f64).collect();
     let is_rough = |k: usize| {
         let (x, below) = (k % width, k + width);
         let beside = [(x > 0).then(|| k - 1), (x + 1 < width).then_some(k + 1)];
@@ -296,18 +309,19 @@ impl View<'_, '_> {
         for k in range {
             let point = DVec2::new(x as f64, y as f64) + stratified(k);
             let hit = self.tracer.closest_hit(&self.lens.ray(point));
-            let (radiance, is_lamp) = hit.and_then(|hit| self.look(point, &hit)).unwrap_or_default();
-            pixel.add(radiance, is_lamp);
+            pixel.add(hit.and_then(|hit| self.look(point, &hit)).unwrap_or_default());
         }
     }
 
-    /// Radiance at a hit, and whether it is a lamp's; none where no light comes.
-    fn look(&self, point: DVec2, hit: &Hit) -> Option<(DVec3, bool)> {
+    /// What a ray that ended at `hit` saw; none where no light comes.
+    fn look(&self, point: DVec2, hit: &Hit) -> Option<Seen> {
         let face = hit.face as usize;
         let patch = self.patches.patch_at(face, hit.side, hit.barycentrics)?;
-        let is_lamp = hit.side == Side::Front && self.tracer.scene().material_of(face).emits();
-        let radiance = self.light.at(patch, hit.barycentrics);
-        Some((radiance * self.outline(point, face, patch), is_lamp))
+        Some(Seen {
+            radiance: self.light.at(patch, hit.barycentrics),
+            is_lamp: hit.side == Side::Front && self.tracer.scene().material_of(face).emits(),
+            outline: self.outline(point, face, patch),
+        })
     }
 
     /// The factor by which an outline dims a point of the picture.

@@ -40,8 +40,8 @@ impl Exposure {
         };
         let (middle, bright) = (at(0.5), at(0.98));
         let contrast = bright / middle;
-        // Show the bright part at 0.6 in an even picture, at 0.9 where the middle is half as bright or less.
-        let shown = 0.6 + 0.3 * (contrast - 1.0).min(1.0);
+        // Show the bright part at 0.55 in an even picture, at 0.85 where the middle is half as bright or less.
+        let shown = 0.55 + 0.3 * (contrast - 1.0).min(1.0);
         // Raise the middle of a dark picture to 0.12, the bright part to no more than 2.
         let shown = shown.max((0.12 * contrast).min(2.0));
         let factor = shown / bright;
