@@ -321,29 +321,48 @@ impl<'s> Patches<'s> {
         })
     }
 
-    /// The rays that leave a slot, cosine-distributed, each on the face and strictly inside the cell: rays `range` of the
-    /// given random sequence.
-    pub(crate) fn rays_from<'t>(
-        &self,
-        tracer: &'t Tracer,
-        slot: u32,
+    /// A slot's place in the normalised frame.
+    pub(crate) fn facet(&self, tracer: &Tracer, slot: u32) -> Facet {
+        let Slot { face, side, cell } = self.slot(slot);
+        let [p, q, r] = *tracer.corners(face);
+        let corners = self.cuts.corners(face, cell).map(|[u, v]| p + (q - p) * u + (r - p) * v);
+        Facet { face: face as u32, corners, normal: tracer.normal(face, side) }
+    }
+}
+
+/// One side of a cell: a triangle that sees.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facet {
+    pub face: u32,
+    pub corners: [DVec3; 3],
+    pub normal: DVec3,
+}
+
+impl Facet {
+    /// The point that lies where [u, v] in the unit square does, uniform over the triangle.
+    #[inline]
+    pub fn point(&self, square: [f64; 2]) -> DVec3 {
+        let [a, b, c] = self.corners;
+        let [u, v] = sampling::uniform_triangle(square);
+        a + (b - a) * u + (c - a) * v
+    }
+
+    pub fn centre(&self) -> DVec3 {
+        let [a, b, c] = self.corners;
+        (a + b + c) / 3.0
+    }
+
+    /// Cosine-distributed rays from all over the facet: points `range` of a random sequence.
+    pub fn rays(
+        self,
         sequence: sampling::Sequence,
         range: std::ops::Range<u32>,
-    ) -> impl Iterator<Item = Ray> + use<'t> {
-        let Slot { face, side, cell } = self.slot(slot);
-        let [a, b, c] = self.cuts.corners(face, cell);
-        let [p, q, r] = *tracer.corners(face);
-        let frame = sampling::frame_around(tracer.normal(face, side));
-        let at = |[u, v]: Barycentrics| p + (q - p) * u + (r - p) * v;
-        let (origin, first, second) = (at(a), at(b) - at(a), at(c) - at(a));
+    ) -> impl Iterator<Item = Ray> {
+        let frame = sampling::frame_around(self.normal);
         range.map(move |k| {
             let [s, t, x, y] = sequence.point(k);
-            let [u, v] = sampling::uniform_triangle([s, t]);
-            Ray {
-                origin: origin + first * u + second * v,
-                direction: frame * sampling::cosine_hemisphere([x, y]),
-                from: face as u32,
-            }
+            let direction = frame * sampling::cosine_hemisphere([x, y]);
+            Ray { origin: self.point([s, t]), direction, from: self.face }
         })
     }
 }
@@ -357,7 +376,7 @@ fn edge_for(tracer: &Tracer, count: usize, share: impl Fn(usize) -> [f64; 2]) ->
         .filter(|&(_, share)| share > 0.0)
         .collect();
     let whole: f64 = faces.iter().map(|&(_, share)| share).sum();
-    let goal = (count as f64).max(whole + 0.5 * count as f64);
+    let goal = if whole < count as f64 { count as f64 } else { whole + 0.5 * count as f64 };
     let reached = |edge: f64| -> f64 {
         faces.iter().map(|&(f, share)| share * subdivide::cells_for(tracer.corners(f), edge) as f64).sum()
     };

@@ -89,7 +89,7 @@ impl Patches<'_> {
     fn look(&self, tracer: &Tracer, slots: &[u32], rays: u32, seed: u64) -> Vec<Vec<u32>> {
         let look_from = |&slot: &u32| {
             let sequence = Sequence::new(seed, STREAM + slot as u64, 0);
-            let rays = self.rays_from(tracer, slot, sequence, 0..rays);
+            let rays = self.facet(tracer, slot).rays(sequence, 0..rays);
             let hits = rays.filter_map(|ray| tracer.closest_hit(&ray));
             let mut landings: Vec<u32> =
                 hits.map(|hit| self.slot_at(hit.face as usize, hit.side, hit.barycentrics)).collect();

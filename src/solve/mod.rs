@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | [`direct()`] | Cholesky factors of the symmetric form, any number of right-hand sides | up to some thousand patches |
 //! | [`conjugate_gradients`] | conjugate gradients on the same form | any size |
-//! | [`neumann`] | E + KE + K²E + …, a bounce of light each | to see how light builds up |
+//! | [`neumann()`] | E + KE + K²E + …, a bounce of light each | to see how light builds up |
 //!
 //! Each takes the operator and the right-hand side E (n × c) and answers a [`Solution`] that carries its own [`Report`].
 
@@ -99,7 +99,7 @@ pub enum Method {
     Direct,
     /// [`conjugate_gradients`].
     ConjugateGradients,
-    /// [`neumann`].
+    /// [`neumann()`].
     Neumann,
 }
 

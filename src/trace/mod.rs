@@ -8,6 +8,7 @@
 //! the cube [-1, 1]³, so that neither its size nor its place can matter. [`Frame`] converts.
 
 mod bvh;
+mod lamps;
 pub mod sampling;
 mod triangle;
 
@@ -15,6 +16,7 @@ use glam::DVec3;
 
 use crate::scene::{FaceState, Scene, Side};
 use bvh::Bvh;
+pub use lamps::{LampPoint, LampView, Lamps, form_factor_to_triangle, geometry_term};
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.
 ///

@@ -44,7 +44,10 @@ struct State {
 struct Problem<'a> {
     storage: &'a Storage,
     escape: &'a DVector<f64>,
-    target: &'a DVector<f64>,
+    /// 1 for rows that take no part.
+    target: DVector<f64>,
+    /// 1 for rows that take part, 0 for the rest: their scale is 0.
+    part: DVector<f64>,
     passes: usize,
 }
 
@@ -60,10 +63,10 @@ impl Problem<'_> {
 
     fn state(&mut self, log_scale: DVector<f64>) -> State {
         let n = log_scale.len();
-        let scale = log_scale.map(f64::exp);
+        let scale = log_scale.map(f64::exp).component_mul(&self.part);
         let sums = self.scaled(&scale, &DVector::repeat(n, 1.0));
         let escape = self.escape.component_mul(&scale);
-        let lack = self.target - &sums - &escape;
+        let lack = (&self.target - &sums - &escape).component_mul(&self.part);
         let error = (0..n).map(|i| lack[i].abs() / self.target[i]).fold(0.0, f64::max);
         let value = 0.5 * sums.sum() + escape.sum() - self.target.dot(&log_scale);
         State { log_scale, scale, lack, error, value }
@@ -71,7 +74,7 @@ impl Problem<'_> {
 
     /// Solves H δ = lack with H = diag(a − lack) + D T D by conjugate gradients, preconditioned by its first term.
     fn newton_step(&mut self, at: &State) -> DVector<f64> {
-        let diagonal = self.target - &at.lack;
+        let diagonal = &self.target - &at.lack;
         let precondition = |r: &DVector<f64>| r.component_div(&diagonal);
         let (mut step, mut r) = (DVector::zeros(at.lack.len()), at.lack.clone());
         let mut z = precondition(&r);
@@ -96,29 +99,93 @@ impl Problem<'_> {
     }
 }
 
-/// Finds D; where there is none, answers the best that was seen, made such that no row exceeds its target.
+/// Balances with what light sampling knows of lamps left alone: finds D and changes the entries of lamps in `storage` such
+/// that, scaled by D, they are what they were but for one common factor per lamp. Answers D.
+///
+/// First each lamp gets the factor that closes its own row. Then the other rows share out what lamps leave of them, so that the
+/// noise of rays is corrected where it is. At last all rows are closed together, which moves nothing by more than rounding.
+pub(super) fn balance_around_lamps(
+    storage: &mut Storage,
+    escape: &DVector<f64>,
+    areas: &DVector<f64>,
+    is_lamp: &[bool],
+    progress: Progress,
+) -> Result<(DVector<f64>, Closure), Cancelled> {
+    let n = areas.len();
+    let one = |yes: bool| f64::from(u8::from(yes));
+    let lamps = DVector::from_iterator(n, is_lamp.iter().map(|&lamp| one(lamp)));
+    let others = lamps.map(|lamp| 1.0 - lamp);
+    let through = |storage: &Storage, x: &DVector<f64>| {
+        let x = DMatrix::from_column_slice(n, 1, x.as_slice());
+        let mut y = DMatrix::zeros(n, 1);
+        storage.multiply(&x, &mut y);
+        DVector::from_column_slice(y.as_slice())
+    };
+    let start = DVector::repeat(n, 1.0);
+    let raw =
+        Problem::new(storage, escape, areas.clone(), DVector::repeat(n, 1.0)).state(DVector::zeros(n)).error;
+
+    let to_others = escape + through(storage, &others);
+    let mut closing = Problem::new(storage, &to_others, areas.clone(), lamps.clone());
+    let lamp_scale = closing.solve(&start, progress)?.scale;
+
+    // A row that lamps all but fill has little else to share out: there lamps and rays are scaled alike.
+    let from_lamps = through(storage, &lamp_scale);
+    let flooded: Vec<bool> = (0..n).map(|i| from_lamps[i] > 0.5 * areas[i]).collect();
+    let left_alone = |i: usize| !is_lamp[i] && !flooded[i];
+    let target = DVector::from_fn(n, |i, _| areas[i] - if left_alone(i) { from_lamps[i] } else { 0.0 });
+    let escape_and_lamps =
+        DVector::from_fn(n, |i, _| escape[i] + if flooded[i] { from_lamps[i] } else { 0.0 });
+    let mut sharing = Problem::new(storage, &escape_and_lamps, target, others);
+    let other_scale = sharing.solve(&start, progress)?.scale;
+    let passes = 4 + closing.passes + sharing.passes;
+
+    storage.scale_entries(|i, j| match (is_lamp[i], is_lamp[j]) {
+        (true, false) if left_alone(j) => 1.0 / other_scale[j],
+        (false, true) if left_alone(i) => 1.0 / other_scale[i],
+        _ => 1.0,
+    });
+    let (scale, closure) = balance(storage, escape, areas, &(lamp_scale + other_scale), progress)?;
+    Ok((scale, Closure { before: raw, iterations: closure.iterations + passes, ..closure }))
+}
+
+impl<'a> Problem<'a> {
+    fn new(storage: &'a Storage, escape: &'a DVector<f64>, target: DVector<f64>, part: DVector<f64>) -> Self {
+        let target = target.zip_map(&part, |target, part| if part > 0.0 { target } else { 1.0 });
+        Self { storage, escape, target, part, passes: 0 }
+    }
+
+    /// Goes from a first guess of D to the D that closes all rows, or as near to it as can be.
+    fn solve(&mut self, start: &DVector<f64>, progress: Progress) -> Result<State, Cancelled> {
+        let mut now = self.state(start.map(f64::ln));
+        while now.error > CLOSED && self.passes < MOST_PASSES {
+            progress.at("balance", (now.error.ln() / CLOSED.ln()).clamp(0.0, 0.99))?;
+            let step = self.newton_step(&now);
+            match advance(self, &now, &step) {
+                Some(next) => now = next,
+                None => break,
+            }
+        }
+        Ok(now)
+    }
+}
+
+/// Finds D from a first guess; where there is none, answers the best that was seen, made such that no row exceeds its target.
 pub(super) fn balance(
     storage: &Storage,
     escape: &DVector<f64>,
     target: &DVector<f64>,
+    start: &DVector<f64>,
     progress: Progress,
 ) -> Result<(DVector<f64>, Closure), Cancelled> {
-    let mut problem = Problem { storage, escape, target, passes: 0 };
-    let mut now = problem.state(DVector::zeros(target.len()));
-    let before = now.error;
-    while now.error > CLOSED && problem.passes < MOST_PASSES {
-        progress.at("balance", (now.error.ln() / CLOSED.ln()).clamp(0.0, 0.99))?;
-        let step = problem.newton_step(&now);
-        match advance(&mut problem, &now, &step) {
-            Some(next) => now = next,
-            None => break,
-        }
-    }
+    let mut problem = Problem::new(storage, escape, target.clone(), DVector::repeat(target.len(), 1.0));
+    let before = problem.state(start.map(f64::ln)).error;
+    let mut now = problem.solve(start, progress)?;
     let mut scale = now.scale;
     if now.error > 1e-9 {
         // No scaling exists, or none was found. Rows may lack something, but must not give out more than they get.
         let excess = (0..target.len()).map(|i| (target[i] - now.lack[i]) / target[i]).fold(1.0, f64::max);
-        scale /= excess.sqrt().max(excess);
+        scale /= excess;
         now = problem.state(scale.map(f64::ln));
     }
     let closure = Closure { before, after: now.error, iterations: problem.passes };
@@ -154,7 +221,9 @@ mod tests {
     ) -> (DMatrix<f64>, DVector<f64>, Closure) {
         let storage = Storage::Dense(m.map(|x| x as f32));
         let (escape, target) = (DVector::from_row_slice(escape), DVector::from_row_slice(target));
-        let (d, closure) = balance(&storage, &escape, &target, Progress::default()).unwrap();
+        let (d, closure) =
+            balance(&storage, &escape, &target, &DVector::repeat(target.len(), 1.0), Progress::default())
+                .unwrap();
         let scaled = DMatrix::from_fn(d.len(), d.len(), |i, j| d[i] * d[j] * f64::from(m[(i, j)] as f32));
         (scaled, d.component_mul(&escape), closure)
     }

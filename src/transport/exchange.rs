@@ -46,15 +46,18 @@ pub struct Exchange {
 impl Exchange {
     /// Balances raw exchange areas `storage` and escapes (n values) between patches of these areas, any common unit.
     ///
+    /// `lamps` (n flags) marks patches whose entries are known better than the others' and are not to bear their noise.
+    ///
     /// # Errors
     /// `Cancelled`.
     ///
     /// # Panics
     /// If the dimensions differ or the matrix is not symmetric in shape.
     pub fn new(
-        storage: Storage,
+        mut storage: Storage,
         mut escape: DVector<f64>,
         areas: DVector<f64>,
+        lamps: &[bool],
         progress: Progress,
     ) -> Result<Self, Cancelled> {
         let n = areas.len();
@@ -62,8 +65,13 @@ impl Exchange {
             Storage::Dense(m) => m.shape(),
             Storage::Sparse(m) => m.shape(),
         };
-        assert!(shape == (n, n) && escape.len() == n, "n areas, n escapes and an n × n matrix");
-        let (scale, closure) = balance::balance(&storage, &escape, &areas, progress)?;
+        let consistent = shape == (n, n) && escape.len() == n && lamps.len() == n;
+        assert!(consistent, "n areas, n escapes, n flags and an n × n matrix");
+        let (scale, closure) = if lamps.contains(&true) {
+            balance::balance_around_lamps(&mut storage, &escape, &areas, lamps, progress)?
+        } else {
+            balance::balance(&storage, &escape, &areas, &DVector::repeat(n, 1.0), progress)?
+        };
         escape.component_mul_assign(&scale);
         Ok(Self { storage, scale, escape, areas, closure })
     }
@@ -73,7 +81,8 @@ impl Exchange {
         let total = areas.sum();
         let dense = DMatrix::from_fn(areas.len(), areas.len(), |i, j| (areas[i] * areas[j] / total) as f32);
         let escape = DVector::zeros(areas.len());
-        Self::new(Storage::Dense(dense), escape, areas, Progress::default())
+        let lamps = vec![false; areas.len()];
+        Self::new(Storage::Dense(dense), escape, areas, &lamps, Progress::default())
             .expect("a silent observer never cancels")
     }
 
@@ -85,25 +94,16 @@ impl Exchange {
         progress: Progress,
     ) -> Result<Self, Cancelled> {
         let n = areas.len();
-        let rays = landings.per_patch as f64;
-        // A landing of i on j is worth A_i/rays. Its variance grows with A_i, so the two directions of a pair are averaged
-        // with weights A_j and A_i: each landing between i and j is then worth the same from either side.
-        let worth = |i: usize, j: usize| areas[i] * areas[j] / (areas[i] + areas[j]) / rays;
-        let counts: Vec<Vec<(u32, u32)>> = (0..n).into_par_iter().map(|i| count(landings.row(i))).collect();
-        let escape = DVector::from_iterator(
-            n,
-            (0..n).map(|i| match counts[i].last() {
-                Some(&(AWAY, count)) => areas[i] * count as f64 / rays,
-                _ => 0.0,
-            }),
-        );
-        let storage = if kind.resolve(n, &counts) == StorageKind::Dense {
-            Storage::Dense(dense(n, &counts, worth))
+        let (parts, escape): (Vec<Vec<Part>>, Vec<f64>) =
+            (0..n).into_par_iter().map(|i| found_by(i, landings, areas)).unzip();
+        let storage = if kind.resolve(n, &parts) == StorageKind::Dense {
+            Storage::Dense(dense(n, &parts))
         } else {
-            Storage::Sparse(sparse(n, &counts, worth))
+            Storage::Sparse(sparse(n, &parts))
         };
-        drop(counts);
-        Self::new(storage, escape, DVector::from_row_slice(areas), progress)
+        drop(parts);
+        let (escape, areas) = (DVector::from_vec(escape), DVector::from_row_slice(areas));
+        Self::new(storage, escape, areas, &landings.is_lamp, progress)
     }
 
     /// Number of patches n.
@@ -191,10 +191,10 @@ impl Exchange {
 
 impl StorageKind {
     /// Dense or sparse for these counts.
-    fn resolve(self, n: usize, counts: &[Vec<(u32, u32)>]) -> Self {
-        let entries: usize = counts.iter().map(Vec::len).sum();
+    fn resolve(self, n: usize, parts: &[Vec<Part>]) -> Self {
+        let entries: usize = parts.iter().map(Vec::len).sum();
         match self {
-            // Most pairs are met from both sides or from one; between one and two entries a count.
+            // Most pairs are met from both sides or from one; between one and two entries a part.
             Self::Auto if 8 * 3 * entries / 2 < 4 * n * n => Self::Sparse,
             Self::Auto => Self::Dense,
             chosen => chosen,
@@ -202,57 +202,69 @@ impl StorageKind {
     }
 }
 
-/// Landings with how often each occurs, ascending; [`AWAY`] is last.
-fn count(row: &[u32]) -> Vec<(u32, u32)> {
-    let mut sorted = row.to_vec();
+/// What one patch found of its exchange area with another; the pair's exchange area is the sum of both findings.
+type Part = (u32, f64);
+
+/// What patch i found: its parts, ascending, and what escapes from it.
+///
+/// A landing of i on j is worth A_i/N. Its variance grows with A_i, so the two directions of a pair are averaged with
+/// weights A_j and A_i: each landing between i and j is then worth the same from either side. Of a lamp its receivers know
+/// more than it does itself: between the two, only what they found counts.
+fn found_by(i: usize, landings: &Landings, areas: &[f64]) -> (Vec<Part>, f64) {
+    let rays = landings.count.rays as f64;
+    let is_lamp = &landings.is_lamp;
+    let mut sorted = landings.row(i).to_vec();
     sorted.sort_unstable();
-    sorted.chunk_by(|a, b| a == b).map(|run| (run[0], run.len() as u32)).collect()
+    let mut escape = 0.0;
+    let mut parts: Vec<Part> = Vec::new();
+    for run in sorted.chunk_by(|a, b| a == b) {
+        let (patch, count) = (run[0], run.len() as f64);
+        if patch == AWAY {
+            escape = areas[i] * count / rays;
+        } else if is_lamp[patch as usize] == is_lamp[i] {
+            let j = patch as usize;
+            parts.push((patch, areas[i] * areas[j] / (areas[i] + areas[j]) * count / rays));
+        }
+    }
+    let mut of_lamps = landings.lamp_shares(i).to_vec();
+    of_lamps.sort_unstable_by_key(|s| (s.patch, s.batch));
+    for run in of_lamps.chunk_by(|a, b| a.patch == b.patch) {
+        parts.push((run[0].patch, areas[i] * run.iter().map(|s| f64::from(s.share)).sum::<f64>()));
+    }
+    parts.sort_unstable_by_key(|part| part.0);
+    (parts, escape)
 }
 
-fn here(row: &[(u32, u32)]) -> impl Iterator<Item = (usize, u32)> {
-    row.iter().filter(|&&(j, _)| j != AWAY).map(|&(j, count)| (j as usize, count))
-}
-
-fn dense(n: usize, counts: &[Vec<(u32, u32)>], worth: impl Fn(usize, usize) -> f64 + Sync) -> DMatrix<f32> {
+fn dense(n: usize, parts: &[Vec<Part>]) -> DMatrix<f32> {
     let mut m = DMatrix::zeros(n, n);
-    // Column i holds what the rays of i found.
-    m.as_mut_slice().par_chunks_mut(n).zip(counts).for_each(|(column, row)| {
-        here(row).for_each(|(j, count)| column[j] = count as f32);
+    // Column i holds what i found.
+    m.as_mut_slice().par_chunks_mut(n).zip(parts).for_each(|(column, parts): (&mut [f32], _)| {
+        parts.iter().for_each(|&(j, part)| column[j as usize] = part as f32);
     });
     for j in 0..n {
         for i in 0..j {
             let both = m[(i, j)] + m[(j, i)];
-            if both > 0.0 {
-                let value = (both as f64 * worth(i, j)) as f32;
-                m[(i, j)] = value;
-                m[(j, i)] = value;
-            }
+            m[(i, j)] = both;
+            m[(j, i)] = both;
         }
     }
     m
 }
 
-fn sparse(
-    n: usize,
-    counts: &[Vec<(u32, u32)>],
-    worth: impl Fn(usize, usize) -> f64 + Sync,
-) -> CsMatI<f32, u32, usize> {
-    // Gather, for each patch, who landed on it; ascending because patches come in order.
-    let mut from: Vec<Vec<(u32, u32)>> = vec![Vec::new(); n];
-    for (i, row) in counts.iter().enumerate() {
-        here(row).for_each(|(j, count)| from[j].push((i as u32, count)));
+fn sparse(n: usize, parts: &[Vec<Part>]) -> CsMatI<f32, u32, usize> {
+    // Gather, for each patch, what others found of it; ascending because patches come in order.
+    let mut from: Vec<Vec<Part>> = vec![Vec::new(); n];
+    for (i, parts) in parts.iter().enumerate() {
+        parts.iter().for_each(|&(j, part)| from[j as usize].push((i as u32, part)));
     }
     let rows: Vec<Vec<(u32, f32)>> = (0..n)
         .into_par_iter()
         .map(|i| {
-            let mut both: Vec<(u32, u32)> =
-                counts[i].iter().filter(|c| c.0 != AWAY).chain(&from[i]).copied().collect();
-            both.sort_unstable_by_key(|&(j, _)| j);
+            let mut both: Vec<Part> = parts[i].iter().chain(&from[i]).copied().collect();
+            both.sort_by_key(|part| part.0);
+            // Sums of two f32 commute: both triangles get the same bits.
             both.chunk_by(|a, b| a.0 == b.0)
-                .map(|pair| {
-                    let count: u32 = pair.iter().map(|p| p.1).sum();
-                    (pair[0].0, (count as f64 * worth(i, pair[0].0 as usize)) as f32)
-                })
+                .map(|pair| (pair[0].0, pair.iter().map(|part| part.1 as f32).sum()))
                 .collect()
         })
         .collect();
@@ -271,6 +283,25 @@ impl Storage {
             Storage::Dense(m) => multiply_dense(m, x, y),
             Storage::Sparse(m) if x.ncols() == 1 => multiply_sparse::<1>(m, x, y),
             Storage::Sparse(m) => multiply_sparse::<4>(m, x, y),
+        }
+    }
+
+    /// Multiplies every entry by `factor(i, j)`, which must be symmetric.
+    pub(super) fn scale_entries(&mut self, factor: impl Fn(usize, usize) -> f64 + Sync) {
+        let scaled = |value: f32, i: usize, j: usize| (f64::from(value) * factor(i, j)) as f32;
+        match self {
+            Storage::Dense(m) => {
+                let n = m.nrows();
+                let columns = m.as_mut_slice().par_chunks_mut(n).enumerate();
+                columns.for_each(|(i, column)| {
+                    column.iter_mut().enumerate().for_each(|(j, value)| *value = scaled(*value, i, j));
+                });
+            }
+            Storage::Sparse(m) => {
+                for (i, mut row) in m.outer_iterator_mut().enumerate() {
+                    row.iter_mut().for_each(|(j, value)| *value = scaled(*value, i, j));
+                }
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::TransportError;
 use super::exchange::{Exchange, StorageKind};
-use super::rays::{BATCHES, Landings};
+use super::rays::{BATCHES, Landings, RayCount};
 use crate::patches::Patches;
 use crate::progress::Progress;
 use crate::trace::{Tracer, sampling};
@@ -13,6 +13,9 @@ pub struct TraceOptions<'a> {
     /// Rays per patch, rounded up to a multiple of 8; `None` for [`TraceOptions::usual_rays`]. Noise falls about as
     /// rays^-0.6, time grows in proportion.
     pub rays: Option<u32>,
+    /// Shadow rays per patch towards lamps, rounded up to a multiple of 8; `None` for a quarter of `rays`. They settle direct
+    /// light.
+    pub lamp_rays: Option<u32>,
     /// Number of the random sequence. The same seed gives the same bits.
     pub seed: u64,
     /// How to store exchange areas.
@@ -28,6 +31,7 @@ impl Default for TraceOptions<'_> {
     fn default() -> Self {
         Self {
             rays: None,
+            lamp_rays: None,
             seed: 0,
             storage: StorageKind::Auto,
             memory: 4 << 30,
@@ -74,7 +78,9 @@ impl FormFactors {
         let rays = rays.next_multiple_of(BATCHES);
         options.progress.at("trace", 0.0)?;
         check_memory(patches.len() as u64, rays as u64, options)?;
-        let landings = Landings::trace(tracer, patches, rays, options.seed, options.progress)?;
+        let lamp_rays = options.lamp_rays.unwrap_or(rays / 4).clamp(BATCHES, most).next_multiple_of(BATCHES);
+        let count = RayCount { rays, lamp_rays };
+        let landings = Landings::trace(tracer, patches, count, options.seed, options.progress)?;
         options.progress.at("balance", 0.0)?;
         let exchange =
             Exchange::from_landings(&landings, patches.areas(), options.storage, options.progress)?;

@@ -7,6 +7,7 @@
 mod balance;
 mod exchange;
 mod form_factors;
+mod lamp_columns;
 mod operator;
 mod plan;
 mod rays;

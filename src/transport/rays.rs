@@ -1,31 +1,59 @@
-//! Rays: the rows of the form factor matrix, as the list of where each patch's rays land.
+//! Rays: the raw material of form factors, where each patch's rays land.
+//!
+//! Every patch sends N cosine-distributed rays; each that lands on j is worth F = 1/N there.
 
 use rayon::prelude::*;
 
+use super::lamp_columns::{LampShare, lamp_shares};
 use crate::patches::Patches;
 use crate::progress::{Cancelled, Progress};
-use crate::trace::{Tracer, sampling::Sequence};
+use crate::trace::{Lamps, Tracer, sampling::Sequence};
 
 /// A landing outside of the scene, or on a side that no light reaches.
 pub(super) const AWAY: u32 = u32::MAX;
 
-/// The streams of random sequences for rows start here.
+/// Where streams of random sequences for rays start.
 const STREAM: u64 = 0;
 
 /// Independent scramblings per row, by whose spread the noise of form factors is measured.
 pub(super) const BATCHES: u32 = 8;
 
-/// Where the rays of every patch land: n rows of `per_patch` patch numbers, batch after batch.
+/// How many rays of each kind a patch sends; multiples of [`BATCHES`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RayCount {
+    pub rays: u32,
+    pub lamp_rays: u32,
+}
+
+/// Where the rays of every patch land.
 #[derive(Clone, Debug)]
 pub(super) struct Landings {
-    pub per_patch: u32,
-    pub patches: Vec<u32>,
+    pub count: RayCount,
+    /// n rows of `count.rays` patch numbers, batch after batch.
+    patches: Vec<u32>,
+    /// Per patch: what is known of its form factors to lamps. Lamps themselves know only their rays.
+    lamp_shares: Vec<Vec<LampShare>>,
+    /// Which patches are lamps.
+    pub is_lamp: Vec<bool>,
+}
+
+/// A row while slots are not yet numbered as patches.
+struct Row {
+    slot: u32,
+    landings: Vec<u32>,
+    lamp_shares: Vec<LampShare>,
 }
 
 impl Landings {
+    /// Where the rays of a patch land, batch after batch; of lamps seen from elsewhere [`Landings::lamp_shares`] knows more.
     pub fn row(&self, patch: usize) -> &[u32] {
-        let per_patch = self.per_patch as usize;
-        &self.patches[patch * per_patch..(patch + 1) * per_patch]
+        let rays = self.count.rays as usize;
+        &self.patches[patch * rays..(patch + 1) * rays]
+    }
+
+    /// The form factors from a patch to lamps, in parts.
+    pub fn lamp_shares(&self, patch: usize) -> &[LampShare] {
+        &self.lamp_shares[patch]
     }
 
     /// Traces the rays of every patch. A side that light turns out to reach after all becomes a patch, and its rays
@@ -33,68 +61,86 @@ impl Landings {
     pub fn trace(
         tracer: &Tracer,
         patches: &mut Patches,
-        per_patch: u32,
+        count: RayCount,
         seed: u64,
         progress: Progress,
     ) -> Result<Self, Cancelled> {
         /// Rows between two reports of progress.
         const CHUNK: usize = 256;
+        let lamps = Lamps::new(tracer);
+        let mut rows: Vec<Row> = Vec::new();
         let mut slots: Vec<u32> = (0..patches.len()).map(|i| patches.slot_of_patch(i)).collect();
-        let mut landings: Vec<u32> = Vec::new();
-        let mut order: Vec<u32> = Vec::new();
         while !slots.is_empty() {
+            let first = rows.len();
             for chunk in slots.chunks(CHUNK) {
-                progress.at("trace", order.len() as f64 / patches.len() as f64)?;
-                let first = landings.len();
-                landings.resize(first + chunk.len() * per_patch as usize, AWAY);
-                landings[first..].par_chunks_mut(per_patch as usize).zip(chunk).for_each(|(row, &slot)| {
-                    trace_row(tracer, patches, slot, seed, row);
-                });
-                order.extend(chunk);
+                progress.at("trace", rows.len() as f64 / patches.len() as f64)?;
+                let trace = |&slot: &u32| trace_row(tracer, patches, &lamps, slot, count, seed);
+                rows.par_extend(chunk.par_iter().map(trace));
             }
-            let traced = &landings[landings.len() - slots.len() * per_patch as usize..];
-            slots = newly_reached(patches, &slots, traced, per_patch);
+            slots = newly_reached(patches, &rows[first..]);
             patches.activate(&slots);
         }
-        // Put the rows in the order of patches, and name patches instead of slots.
-        let mut row_of_patch = vec![0; patches.len()];
-        for (row, &slot) in order.iter().enumerate() {
-            row_of_patch[patches.patch_of_slot(slot).unwrap_or(AWAY) as usize] = row;
-        }
-        let mut sorted = vec![AWAY; landings.len()];
-        sorted.par_chunks_mut(per_patch as usize).zip(&row_of_patch).for_each(|(sorted, &row)| {
-            let traced = &landings[row * per_patch as usize..(row + 1) * per_patch as usize];
-            for (to, &slot) in sorted.iter_mut().zip(traced) {
-                *to = if slot == AWAY { AWAY } else { patches.patch_of_slot(slot).unwrap_or(AWAY) };
-            }
+        rows.sort_unstable_by_key(|row| row.slot);
+        // Every slot with a row is a patch by now: the rows are in the order of patches.
+        let number =
+            |slot: u32| if slot == AWAY { AWAY } else { patches.patch_of_slot(slot).unwrap_or(AWAY) };
+        let mut landings = vec![AWAY; rows.len() * count.rays as usize];
+        landings.par_chunks_mut(count.rays as usize).zip(&mut rows).for_each(|(to, row)| {
+            to.iter_mut().zip(&row.landings).for_each(|(to, &slot)| *to = number(slot));
+            row.lamp_shares.iter_mut().for_each(|share| share.patch = number(share.patch));
+            row.landings = Vec::new();
         });
+        let is_lamp = (0..patches.len()).map(|i| {
+            let place = patches.place(i);
+            lamps.contains(place.face, place.side)
+        });
+        let is_lamp = is_lamp.collect();
+        let lamp_shares = rows.into_iter().map(|row| row.lamp_shares).collect();
         progress.at("trace", 1.0)?;
-        Ok(Self { per_patch, patches: sorted })
+        Ok(Self { count, patches: landings, lamp_shares, is_lamp })
     }
 }
 
-/// Fills `row` with the slots on which rays from `slot` land.
-fn trace_row(tracer: &Tracer, patches: &Patches, slot: u32, seed: u64, row: &mut [u32]) {
-    let share = row.len() as u32 / BATCHES;
-    for (batch, row) in row.chunks_mut(share as usize).enumerate() {
+/// Traces what leaves one slot.
+fn trace_row(
+    tracer: &Tracer,
+    patches: &Patches,
+    lamps: &Lamps,
+    slot: u32,
+    count: RayCount,
+    seed: u64,
+) -> Row {
+    let facet = patches.facet(tracer, slot);
+    let mut landings = Vec::with_capacity(count.rays as usize);
+    for batch in 0..BATCHES {
         let sequence = Sequence::new(seed, STREAM + slot as u64, batch as u64);
-        for (landing, ray) in row.iter_mut().zip(patches.rays_from(tracer, slot, sequence, 0..share)) {
-            *landing = match tracer.closest_hit(&ray) {
+        landings.extend(facet.rays(sequence, 0..count.rays / BATCHES).map(
+            |ray| match tracer.closest_hit(&ray) {
                 Some(hit) => patches.slot_at(hit.face as usize, hit.side, hit.barycentrics),
                 None => AWAY,
-            };
-        }
+            },
+        ));
     }
+    let is_lamp = |slot: u32| {
+        let place = patches.slot(slot);
+        lamps.contains(place.face, place.side)
+    };
+    let lamp_shares = if lamps.is_empty() || is_lamp(slot) {
+        Vec::new()
+    } else {
+        let batch_size = (count.rays / BATCHES) as usize;
+        let hits = landings.iter().enumerate().filter(|&(_, &landing)| landing != AWAY && is_lamp(landing));
+        let hits = hits.map(|(k, &landing)| (landing, (k / batch_size) as u32));
+        lamp_shares(tracer, patches, lamps, (slot, facet), hits, (count, seed))
+    };
+    Row { slot, landings, lamp_shares }
 }
 
-/// The slots that are no patches yet and that the traced rays of patches that send out light landed on.
-fn newly_reached(patches: &Patches, slots: &[u32], landings: &[u32], per_patch: u32) -> Vec<u32> {
-    let mut found = Vec::new();
-    for (&slot, row) in slots.iter().zip(landings.chunks(per_patch as usize)) {
-        if patches.is_bright(slot) {
-            found.extend(row.iter().filter(|&&s| s != AWAY && patches.patch_of_slot(s).is_none()));
-        }
-    }
+/// The slots that are no patches yet and that the rays of patches that send out light landed on.
+fn newly_reached(patches: &Patches, rows: &[Row]) -> Vec<u32> {
+    let bright = rows.iter().filter(|row| patches.is_bright(row.slot));
+    let landings = bright.flat_map(|row| &row.landings).copied();
+    let mut found: Vec<u32> = landings.filter(|&s| s != AWAY && patches.patch_of_slot(s).is_none()).collect();
     found.sort_unstable();
     found.dedup();
     found

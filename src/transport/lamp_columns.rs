@@ -1,0 +1,110 @@
+//! Lamp columns: the form factors from a patch to lamps, by light sampling.
+//!
+//! M points x on the patch are paired with points y drawn on lamps with density p. A pair with geometry term g and emitted
+//! radiance Lₑ weighs w = Lₑ g/p, whether or not its points see each other; the mean weight estimates what Lambert's formula gives
+//! exactly, the unoccluded light U. So each pair on lamp patch j whose points do see each other is worth
+//!
+//! (U / Σw) · g/p
+//!
+//! of the form factor to j. Where nothing is hidden the light of all lamps is exact. A ratio of two means is biased by some 1/M of
+//! their spread: less than 0.1 % (the tests measure it).
+//!
+//! Rays find lamps too, each hit worth 1/N. The two estimates are averaged with weights that are inverse to their variances, as
+//! far as these can be told beforehand: F/N for rays, F²(1 + κ)/4M for light sampling, with κ the relative variance of the weights.
+
+use crate::patches::{Facet, Patches};
+use crate::scene::Side;
+use crate::trace::{Lamps, Tracer, geometry_term, sampling::Sequence};
+
+use super::rays::{BATCHES, RayCount};
+
+/// Where streams of random sequences for pairs, and for points under Lambert's formula, start.
+const PAIR_STREAM: u64 = 1 << 41;
+const POINT_STREAM: u64 = 1 << 42;
+
+/// Evaluations of Lambert's formula per patch, shared out over the lamps; at most and at least so many points each.
+const EVALUATIONS: usize = 1024;
+const POINTS: [usize; 2] = [4, 32];
+
+/// What a batch found of the form factor to a lamp patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LampShare {
+    /// The lamp patch (its slot, while slots are not yet numbered as patches).
+    pub patch: u32,
+    pub batch: u32,
+    /// Part of the form factor from the receiver to the lamp patch; all batches add up to the whole.
+    pub share: f32,
+}
+
+/// A pair whose points face each other.
+struct Pair {
+    slot: u32,
+    batch: u32,
+    /// g/p.
+    weight: f64,
+    visible: bool,
+}
+
+/// The form factors from the facet of `slot` to lamps. `hits` are the slots of lamps on which its rays landed, with the batch.
+pub(super) fn lamp_shares(
+    tracer: &Tracer,
+    patches: &Patches,
+    lamps: &Lamps,
+    (slot, facet): (u32, Facet),
+    hits: impl Iterator<Item = (u32, u32)>,
+    (count, seed): (RayCount, u64),
+) -> Vec<LampShare> {
+    let points: Vec<_> = (0..(EVALUATIONS / lamps.len()).clamp(POINTS[0], POINTS[1]) as u32)
+        .map(|k| {
+            let [s, t, ..] = Sequence::new(seed, POINT_STREAM + slot as u64, 0).point(k);
+            facet.point([s, t])
+        })
+        .collect();
+    let view = lamps.view_from(&points, facet.normal);
+    // Draw the pairs, and see which are visible.
+    let mut pairs = Vec::with_capacity(count.lamp_rays as usize);
+    let (mut bright, mut sum, mut squares) = (0.0, 0.0, 0.0);
+    for batch in 0..BATCHES {
+        let sequence = Sequence::new(seed, PAIR_STREAM + slot as u64, batch as u64);
+        for k in 0..count.lamp_rays / BATCHES {
+            let [s, t, u, v] = sequence.point(k);
+            let from = facet.point([s, t]);
+            let Some(to) = lamps.sample(&view, [u, v]) else { break };
+            let g = geometry_term((from, facet.normal), (to.point, to.normal));
+            if g == 0.0 {
+                continue;
+            }
+            let weight = g / to.pdf;
+            bright += weight * to.brightness;
+            sum += weight;
+            squares += weight * weight;
+            let slot = patches.slot_at(to.face as usize, Side::Front, to.barycentrics);
+            let visible = tracer.unoccluded((from, facet.face), (to.point, to.face));
+            pairs.push(Pair { slot, batch, weight, visible });
+        }
+    }
+    // Scale the pairs to the unoccluded light, where that is known.
+    let (m, n) = (count.lamp_rays as f64, count.rays as f64);
+    let exact = match view.unoccluded {
+        Some(unoccluded) if bright > 0.0 => unoccluded / (bright / m),
+        _ => 1.0,
+    };
+    // Weigh the two estimates against each other.
+    let whole = exact * sum / m;
+    let by_rays = whole / n;
+    let by_pairs = if sum > 0.0 { 0.25 * whole * whole * squares / (sum * sum) } else { 1.0 };
+    let trust = if sum > 0.0 { by_rays / (by_rays + by_pairs) } else { 0.0 };
+    let from_pairs =
+        pairs.iter().filter(|p| p.visible).map(|p| (p.slot, p.batch, trust * exact * p.weight / m));
+    let from_rays = hits.map(|(slot, batch)| (slot, batch, (1.0 - trust) / n));
+    merge(from_pairs.chain(from_rays))
+}
+
+/// Adds up shares of the same batch and lamp patch; batch after batch.
+fn merge(parts: impl Iterator<Item = (u32, u32, f64)>) -> Vec<LampShare> {
+    let mut parts: Vec<_> = parts.collect();
+    parts.sort_by_key(|&(slot, batch, _)| (batch, slot));
+    let same = |a: &(u32, u32, f64), b: &(u32, u32, f64)| (a.0, a.1) == (b.0, b.1);
+    let sum = |run: &[(u32, u32, f64)]| run.iter().map(|part| part.2).sum::<f64>() as f32;
+    parts.chunk_by(same).map(|run| LampShare { patch: run[0].0, batch: run[0].1, share: sum(run) }).collect()
+}
