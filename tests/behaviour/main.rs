@@ -1,3 +1,6 @@
 //! What the crate and its program promise, seen from outside: a map of behaviours.
 
+mod files; // what scene files mean, and how bad ones are refused
 mod structure; // modules import only from their left
+
+mod scratch; // a temporary folder for all of them
