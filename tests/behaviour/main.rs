@@ -1,5 +1,6 @@
 //! What the crate and its program promise, seen from outside: a map of behaviours.
 
+mod commands; // what the program writes, prints and answers
 mod files; // what scene files mean, and how bad ones are refused
 mod structure; // modules import only from their left
 
