@@ -14,7 +14,7 @@ const GREY: [f64; 3] = [0.5; 3];
 pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     let read = |path: &Path| {
         let bytes = std::fs::read(path)?;
-        Ok(String::from_utf8_lossy(&bytes).into_owned())
+        Ok(String::from_utf8_lossy(&bytes).trim_start_matches('\u{feff}').to_owned())
     };
     let unreadable = |path: &Path, source| SceneError::Read { path: path.to_path_buf(), source };
     let text = read(path).map_err(|e| unreadable(path, e))?;

@@ -41,7 +41,7 @@ struct MaterialSettings {
 
 /// One number for every channel, or one each.
 #[derive(Debug, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a colour is one number, or three in brackets")]
 enum Colour {
     Grey(f64),
     Rgb([f64; 3]),
@@ -80,7 +80,8 @@ impl Settings {
         })?;
         if !(settings.unit.is_finite() && settings.unit > 0.0) {
             let message = format!("unit = {}: metres per unit must be positive", settings.unit);
-            return Err(SceneError::Parse { path: path.to_path_buf(), line: 1, message });
+            let line = 1 + text.lines().position(|line| line.trim_start().starts_with("unit")).unwrap_or(0);
+            return Err(SceneError::Parse { path: path.to_path_buf(), line, message });
         }
         Ok(settings)
     }

@@ -1,1 +1,8 @@
-mod laws;
+//! What the crate and its program promise, seen from outside: a map of behaviours.
+
+mod commands; // what the program writes, prints and answers
+mod files; // what scene files mean, and how bad ones are refused
+mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, an independent reference
+mod structure; // modules import only from their left
+
+mod scratch; // a temporary folder for all of them
