@@ -38,14 +38,22 @@ pub struct Tessellation<'a> {
     pub reach: Reach,
     /// Number of the random sequence that looks for sides that light reaches.
     pub seed: u64,
+    /// The most bytes that finding those sides may take.
+    pub memory: u64,
     /// Where to report progress, as stage `patch`.
     pub progress: Progress<'a>,
 }
 
 impl Default for Tessellation<'_> {
-    /// 4000 patches where light reaches.
+    /// 8000 patches where light reaches, 4 GiB.
     fn default() -> Self {
-        Self { size: PatchSize::Count(4000), reach: Reach::Light, seed: 0, progress: Progress::default() }
+        Self {
+            size: PatchSize::Count(8000),
+            reach: Reach::Light,
+            seed: 0,
+            memory: 4 << 30,
+            progress: Progress::default(),
+        }
     }
 }
 
@@ -56,11 +64,15 @@ pub enum PatchError {
     /// The wanted size makes no sense.
     #[error("the patch size must be positive: {0}")]
     Size(String),
-    /// More patches than there are numbers for.
-    #[error("{slots} patches are more than fit (2³¹); use a longer --edge or a smaller --patches")]
+    /// More patches than fit.
+    #[error(
+        "{slots} patches, both sides counted, are more than the {most} that fit; use a longer --edge, a smaller --patches or more --memory"
+    )]
     TooMany {
         /// How many it would be, both sides counted.
         slots: u64,
+        /// How many there may be.
+        most: u64,
     },
     /// The observer asked to stop.
     #[error(transparent)]
@@ -87,6 +99,9 @@ pub struct Patches<'s> {
 /// The patch of a slot that is none.
 const NONE: u32 = u32::MAX;
 
+/// What a slot takes while sides are looked for: its patch, and what it sees.
+const BYTES_PER_SLOT: u64 = 40;
+
 /// The place of a slot: face, side and cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slot {
@@ -107,7 +122,7 @@ impl<'s> Patches<'s> {
         options.progress.at("patch", 0.0)?;
         match options.size {
             PatchSize::Edge(metres) if metres.is_finite() && metres > 0.0 => {
-                let mut patches = Self::cut(tracer, metres / tracer.frame().scale())?;
+                let mut patches = Self::cut(tracer, metres / tracer.frame().scale(), options)?;
                 patches.reach(tracer, options, sides::LOOK)?;
                 Ok(patches)
             }
@@ -122,14 +137,17 @@ impl<'s> Patches<'s> {
         /// A cut that has not the expected number of patches, because finer patches see more, is made once more.
         const ATTEMPTS: usize = 2;
         let (mut edge, _) = edge_for(tracer, count.min(COARSE), |_| [1.0; 2]);
-        let mut patches = Self::cut(tracer, edge)?;
+        let mut patches = Self::cut(tracer, edge, options)?;
         patches.reach(tracer, options, sides::GLANCE)?;
         for _ in 0..ATTEMPTS {
+            if patches.is_empty() {
+                break;
+            }
             let shares: Vec<_> =
                 (0..tracer.scene().faces().len()).map(|f| patches.reached_share(f)).collect();
             let expected;
             (edge, expected) = edge_for(tracer, count, |face| shares[face]);
-            patches = Self::cut(tracer, edge)?;
+            patches = Self::cut(tracer, edge, options)?;
             patches.reach(tracer, options, sides::LOOK)?;
             if (patches.len() as f64 / expected - 1.0).abs() < 0.1 {
                 break;
@@ -139,14 +157,15 @@ impl<'s> Patches<'s> {
     }
 
     /// Cuts every face for legs up to `edge` (normalised); no slot is a patch yet.
-    fn cut(tracer: &Tracer<'s>, edge: f64) -> Result<Self, PatchError> {
+    fn cut(tracer: &Tracer<'s>, edge: f64, options: &Tessellation) -> Result<Self, PatchError> {
         let scene = tracer.scene();
         let kept = |f: usize| scene.faces()[f].state == FaceState::Kept;
         let faces = scene.faces().len();
         let cells = (0..faces).filter(|&f| kept(f)).map(|f| subdivide::cells_for(tracer.corners(f), edge));
         let slots = 2 * cells.sum::<u64>();
-        if slots > 1 << 31 {
-            return Err(PatchError::TooMany { slots });
+        let most = (options.memory / BYTES_PER_SLOT).min(1 << 31);
+        if slots > most {
+            return Err(PatchError::TooMany { slots, most });
         }
         let cuts = Cuts::new((0..faces).map(|f| kept(f).then(|| tracer.corners(f))), edge);
         let mut first_slot = vec![0];
@@ -367,26 +386,39 @@ impl Facet {
     }
 }
 
+/// The most slots, reached or not, for each patch that is wanted.
+const DARK_PER_PATCH: f64 = 16.0;
+
 /// The edge (normalised) at which about `count` slots are reached, and how many are at this edge, where `share` tells which part
 /// of each face's sides is.
 fn edge_for(tracer: &Tracer, count: usize, share: impl Fn(usize) -> [f64; 2]) -> (f64, f64) {
     let faces: Vec<(usize, f64)> = (0..tracer.scene().faces().len())
         .filter(|&f| tracer.scene().faces()[f].state == FaceState::Kept)
         .map(|f| (f, share(f).iter().sum::<f64>()))
-        .filter(|&(_, share)| share > 0.0)
         .collect();
     let whole: f64 = faces.iter().map(|&(_, share)| share).sum();
     let goal = if whole < count as f64 { count as f64 } else { whole + 0.5 * count as f64 };
-    let reached = |edge: f64| -> f64 {
-        faces.iter().map(|&(f, share)| share * subdivide::cells_for(tracer.corners(f), edge) as f64).sum()
+    // Where light reaches but little, the rest must not be cut without end either.
+    let most_slots = 2.0 * faces.len() as f64 + DARK_PER_PATCH * count as f64;
+    let slots_at = |edge: f64| -> (f64, f64) {
+        let sum = |(reached, all): (f64, f64), &(f, share): &(usize, f64)| {
+            let cells = subdivide::cells_for(tracer.corners(f), edge) as f64;
+            (reached + share * cells, all + 2.0 * cells)
+        };
+        faces.iter().fold((0.0, 0.0), sum)
+    };
+    let reached = |edge: f64| slots_at(edge).0;
+    let too_fine = |edge: f64| {
+        let (reached, all) = slots_at(edge);
+        reached > goal || all > most_slots
     };
     // Bisect on a logarithmic scale; the count falls in steps as the edge grows.
     let (mut fine, mut coarse) = (1e-6f64, 4.0);
     while coarse / fine > 1.001 {
         let edge = (fine * coarse).sqrt();
-        if reached(edge) > goal { fine = edge } else { coarse = edge }
+        if too_fine(edge) { fine = edge } else { coarse = edge }
     }
     let off = |edge: f64| (reached(edge) / goal).ln().abs();
-    let edge = if off(fine) < off(coarse) { fine } else { coarse };
+    let edge = if slots_at(fine).1 <= most_slots && off(fine) < off(coarse) { fine } else { coarse };
     (edge, reached(edge))
 }

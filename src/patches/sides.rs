@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{Patches, Tessellation};
 use crate::progress::Cancelled;
 use crate::scene::Side;
-use crate::trace::{Tracer, sampling::Sequence};
+use crate::trace::{Lamps, Tracer, geometry_term, sampling::Sequence};
 
 /// Which sides become patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,8 +25,12 @@ pub(super) const LOOK: u32 = 16;
 /// Rays for a first impression.
 pub(super) const GLANCE: u32 = 4;
 
-/// The stream of random sequences for looking around; apart from all others.
+/// Looks straight at lamps, which are small and easily missed.
+const LAMP_LOOKS: u32 = 4;
+
+/// The streams of random sequences for looking around and at lamps; apart from all others.
 const STREAM: u64 = 1 << 40;
+const LAMP_STREAM: u64 = 1 << 43;
 
 impl Patches<'_> {
     /// Finds the reached slots and makes them patches.
@@ -37,6 +41,7 @@ impl Patches<'_> {
         rays: u32,
     ) -> Result<(), Cancelled> {
         let slots = self.slots();
+        let lamps = Lamps::new(tracer);
         let mut seen_by: Vec<Option<Vec<u32>>> = vec![None; slots];
         let mut reached = vec![false; slots];
         let mut wave: Vec<u32> = match options.reach {
@@ -64,7 +69,10 @@ impl Patches<'_> {
             let dark: Vec<u32> = (0..slots as u32).filter(|&s| !reached[s as usize]).collect();
             let unasked: Vec<u32> = dark.iter().copied().filter(|&s| seen_by[s as usize].is_none()).collect();
             options.progress.at("patch", 0.6)?;
-            for (slot, landings) in unasked.iter().zip(self.look(tracer, &unasked, rays, options.seed)) {
+            let looks = self.look(tracer, &unasked, rays, options.seed);
+            let lamp_looks = self.look_at_lamps(tracer, &lamps, &unasked, options.seed);
+            for ((slot, mut landings), on_lamps) in unasked.iter().zip(looks).zip(lamp_looks) {
+                landings.extend(on_lamps);
                 seen_by[*slot as usize] = Some(landings);
             }
             let sees_light = |slot: u32| match options.reach {
@@ -96,6 +104,24 @@ impl Patches<'_> {
             landings.sort_unstable();
             landings.dedup();
             landings
+        };
+        slots.par_iter().map(look_from).collect()
+    }
+
+    /// A slot on a lamp that each of `slots` sees, if it sees any.
+    fn look_at_lamps(&self, tracer: &Tracer, lamps: &Lamps, slots: &[u32], seed: u64) -> Vec<Option<u32>> {
+        let look_from = |&slot: &u32| {
+            let facet = self.facet(tracer, slot);
+            let view = lamps.view_from(&[facet.centre()], facet.normal);
+            let sequence = Sequence::new(seed, LAMP_STREAM + slot as u64, 0);
+            (0..LAMP_LOOKS).find_map(|k| {
+                let [s, t, u, v] = sequence.point(k);
+                let from = facet.point([s, t]);
+                let to = lamps.sample(&view, [u, v])?;
+                let faces_it = geometry_term((from, facet.normal), (to.point, to.normal)) > 0.0;
+                let sees_it = faces_it && tracer.unoccluded((from, facet.face), (to.point, to.face));
+                sees_it.then(|| self.slot_at(to.face as usize, Side::Front, to.barycentrics))
+            })
         };
         slots.par_iter().map(look_from).collect()
     }

@@ -13,7 +13,7 @@ pub struct TraceOptions<'a> {
     /// Rays per patch, rounded up to a multiple of 8; `None` for [`TraceOptions::usual_rays`]. Noise falls about as
     /// rays^-0.6, time grows in proportion.
     pub rays: Option<u32>,
-    /// Shadow rays per patch towards lamps, rounded up to a multiple of 8; `None` for a quarter of `rays`. They settle direct
+    /// Shadow rays per patch towards lamps, rounded up to a multiple of 8; `None` for half of `rays`. They settle direct
     /// light.
     pub lamp_rays: Option<u32>,
     /// Number of the random sequence. The same seed gives the same bits.
@@ -78,7 +78,7 @@ impl FormFactors {
         let rays = rays.next_multiple_of(BATCHES);
         options.progress.at("trace", 0.0)?;
         check_memory(patches.len() as u64, rays as u64, options)?;
-        let lamp_rays = options.lamp_rays.unwrap_or(rays / 4).clamp(BATCHES, most).next_multiple_of(BATCHES);
+        let lamp_rays = options.lamp_rays.unwrap_or(rays / 2).clamp(BATCHES, most).next_multiple_of(BATCHES);
         let count = RayCount { rays, lamp_rays };
         let landings = Landings::trace(tracer, patches, count, options.seed, options.progress)?;
         options.progress.at("balance", 0.0)?;

@@ -51,7 +51,7 @@ pub(super) fn lamp_shares(
     patches: &Patches,
     lamps: &Lamps,
     (slot, facet): (u32, Facet),
-    hits: impl Iterator<Item = (u32, u32)>,
+    hits: Vec<(u32, u32)>,
     (count, seed): (RayCount, u64),
 ) -> Vec<LampShare> {
     let points: Vec<_> = (0..(EVALUATIONS / lamps.len()).clamp(POINTS[0], POINTS[1]) as u32)
@@ -96,7 +96,7 @@ pub(super) fn lamp_shares(
     let trust = if sum > 0.0 { by_rays / (by_rays + by_pairs) } else { 0.0 };
     let from_pairs =
         pairs.iter().filter(|p| p.visible).map(|p| (p.slot, p.batch, trust * exact * p.weight / m));
-    let from_rays = hits.map(|(slot, batch)| (slot, batch, (1.0 - trust) / n));
+    let from_rays = hits.into_iter().map(|(slot, batch)| (slot, batch, (1.0 - trust) / n));
     merge(from_pairs.chain(from_rays))
 }
 

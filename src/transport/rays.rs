@@ -112,26 +112,27 @@ fn trace_row(
 ) -> Row {
     let facet = patches.facet(tracer, slot);
     let mut landings = Vec::with_capacity(count.rays as usize);
+    // Landings on lamps, with their batch.
+    let mut on_lamps = Vec::new();
     for batch in 0..BATCHES {
         let sequence = Sequence::new(seed, STREAM + slot as u64, batch as u64);
-        landings.extend(facet.rays(sequence, 0..count.rays / BATCHES).map(
-            |ray| match tracer.closest_hit(&ray) {
-                Some(hit) => patches.slot_at(hit.face as usize, hit.side, hit.barycentrics),
-                None => AWAY,
-            },
-        ));
+        for ray in facet.rays(sequence, 0..count.rays / BATCHES) {
+            let Some(hit) = tracer.closest_hit(&ray) else {
+                landings.push(AWAY);
+                continue;
+            };
+            let landing = patches.slot_at(hit.face as usize, hit.side, hit.barycentrics);
+            landings.push(landing);
+            if lamps.contains(hit.face as usize, hit.side) {
+                on_lamps.push((landing, batch));
+            }
+        }
     }
-    let is_lamp = |slot: u32| {
-        let place = patches.slot(slot);
-        lamps.contains(place.face, place.side)
-    };
-    let lamp_shares = if lamps.is_empty() || is_lamp(slot) {
+    let place = patches.slot(slot);
+    let lamp_shares = if lamps.is_empty() || lamps.contains(place.face, place.side) {
         Vec::new()
     } else {
-        let batch_size = (count.rays / BATCHES) as usize;
-        let hits = landings.iter().enumerate().filter(|&(_, &landing)| landing != AWAY && is_lamp(landing));
-        let hits = hits.map(|(k, &landing)| (landing, (k / batch_size) as u32));
-        lamp_shares(tracer, patches, lamps, (slot, facet), hits, (count, seed))
+        lamp_shares(tracer, patches, lamps, (slot, facet), on_lamps, (count, seed))
     };
     Row { slot, landings, lamp_shares }
 }

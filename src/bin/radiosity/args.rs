@@ -50,7 +50,7 @@ impl SceneArgs {
 #[command(next_help_heading = "Accuracy")]
 pub struct AccuracyArgs {
     /// About how many patches (unknowns) to cut into
-    #[arg(long, value_name = "N", default_value_t = 4000, value_parser = positive)]
+    #[arg(long, value_name = "N", default_value_t = 8000, value_parser = positive)]
     patches: usize,
 
     /// Longest leg of a patch, metres; instead of --patches
@@ -82,7 +82,7 @@ impl AccuracyArgs {
             Some(metres) => PatchSize::Edge(metres),
             None => PatchSize::Count(self.patches),
         };
-        Tessellation { size, reach: Reach::Light, seed: run.seed, progress }
+        Tessellation { size, reach: Reach::Light, seed: run.seed, memory: run.memory, progress }
     }
 
     pub fn trace<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> TraceOptions<'a> {
@@ -91,7 +91,14 @@ impl AccuracyArgs {
             StorageArg::Dense => StorageKind::Dense,
             StorageArg::Sparse => StorageKind::Sparse,
         };
-        TraceOptions { rays: self.rays, seed: run.seed, storage, memory: run.memory, progress }
+        TraceOptions {
+            rays: self.rays,
+            lamp_rays: None,
+            seed: run.seed,
+            storage,
+            memory: run.memory,
+            progress,
+        }
     }
 }
 
