@@ -8,6 +8,8 @@ mod aggregate;
 mod sides;
 mod subdivide;
 
+use std::ops::Range;
+
 use glam::DVec3;
 use nalgebra::DMatrix;
 
@@ -140,11 +142,11 @@ impl<'s> Patches<'s> {
         let mut patches = Self::cut(tracer, edge, options)?;
         patches.reach(tracer, options, sides::GLANCE)?;
         for _ in 0..ATTEMPTS {
-            if patches.is_empty() {
+            if patches.is_empty() && options.reach == Reach::Light {
                 break;
             }
-            let shares: Vec<_> =
-                (0..tracer.scene().faces().len()).map(|f| patches.reached_share(f)).collect();
+            let share = |f: usize| if patches.is_empty() { [1.0; 2] } else { patches.reached_share(f) };
+            let shares: Vec<_> = (0..tracer.scene().faces().len()).map(share).collect();
             let expected;
             (edge, expected) = edge_for(tracer, count, |face| shares[face]);
             patches = Self::cut(tracer, edge, options)?;
@@ -182,6 +184,21 @@ impl<'s> Patches<'s> {
             areas: Vec::new(),
             edge,
         })
+    }
+
+    /// Cuts with a known edge (normalised); the patches are the given slots, or those that light reaches.
+    pub(crate) fn recut(
+        tracer: &Tracer<'s>,
+        edge: f64,
+        slots: Option<&[u32]>,
+        options: &Tessellation,
+    ) -> Result<Self, PatchError> {
+        let mut patches = Self::cut(tracer, edge, options)?;
+        match slots {
+            Some(slots) => patches.activate(slots),
+            None => patches.reach(tracer, options, sides::LOOK)?,
+        }
+        Ok(patches)
     }
 
     /// Makes the given slots patches too, and numbers all patches anew.
@@ -228,6 +245,10 @@ impl<'s> Patches<'s> {
         self.edge * self.frame.scale()
     }
 
+    pub(crate) fn normalised_edge(&self) -> f64 {
+        self.edge
+    }
+
     /// The patch in which a point of a face's side lies; none where light does not reach.
     #[inline]
     pub fn patch_at(&self, face: usize, side: Side, point: Barycentrics) -> Option<usize> {
@@ -242,10 +263,16 @@ impl<'s> Patches<'s> {
     }
 
     /// The patches of a face's side; they follow one another.
-    pub fn patches_of(&self, face: usize, side: Side) -> std::ops::Range<usize> {
-        let first = self.first_slot_of(face, side);
+    pub fn patches_of(&self, face: usize, side: Side) -> Range<usize> {
+        let slots = self.slots_of(face, side);
         let place = |slot: u32| self.slot_of_patch.partition_point(|&s| s < slot);
-        place(first)..place(first + self.cuts.cells(face))
+        place(slots.start)..place(slots.end)
+    }
+
+    /// The slots of a face's side.
+    pub(crate) fn slots_of(&self, face: usize, side: Side) -> Range<u32> {
+        let first = self.first_slot_of(face, side);
+        first..first + self.cuts.cells(face)
     }
 
     fn first_slot_of(&self, face: usize, side: Side) -> u32 {
@@ -372,11 +399,7 @@ impl Facet {
     }
 
     /// Cosine-distributed rays from all over the facet: points `range` of a random sequence.
-    pub fn rays(
-        self,
-        sequence: sampling::Sequence,
-        range: std::ops::Range<u32>,
-    ) -> impl Iterator<Item = Ray> {
+    pub fn rays(self, sequence: sampling::Sequence, range: Range<u32>) -> impl Iterator<Item = Ray> {
         let frame = sampling::frame_around(self.normal);
         range.map(move |k| {
             let [s, t, x, y] = sequence.point(k);

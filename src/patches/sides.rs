@@ -3,6 +3,8 @@
 //! Reached is a flag per slot. Lamps are reached; from every reached slot that reflects or emits, light goes on to what its rays meet
 //! and to what sees it, until nothing new turns up. What no light reaches costs nothing and stays exactly zero.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::{Patches, Tessellation};
@@ -15,7 +17,7 @@ use crate::trace::{Lamps, Tracer, geometry_term, sampling::Sequence};
 pub enum Reach {
     /// Those that light from the scene's lamps reaches.
     Light,
-    /// Those that see anything, lit or not: for form factors.
+    /// Whole sides of faces that see anything, lit or not: for form factors.
     Everything,
 }
 
@@ -40,14 +42,35 @@ impl Patches<'_> {
         options: &Tessellation,
         rays: u32,
     ) -> Result<(), Cancelled> {
+        let found = match options.reach {
+            Reach::Light => self.lit(tracer, options, rays)?,
+            Reach::Everything => self.seeing(tracer, options, rays)?,
+        };
+        self.activate(&found);
+        Ok(())
+    }
+
+    /// The slots of all sides of faces that see something.
+    fn seeing(&self, tracer: &Tracer, options: &Tessellation, rays: u32) -> Result<Vec<u32>, Cancelled> {
+        /// To see anything at all is asked of a side but once, and answered with care.
+        const CARE: u32 = 4;
+        options.progress.at("patch", 0.3)?;
+        let sides =
+            (0..self.scene.faces().len()).flat_map(|face| Side::BOTH.map(|side| self.slots_of(face, side)));
+        let sees = |side: &Range<u32>| {
+            let slots: Vec<u32> = side.clone().collect();
+            self.look(tracer, &slots, CARE * rays, options.seed).iter().any(|landings| !landings.is_empty())
+        };
+        Ok(sides.filter(sees).flatten().collect())
+    }
+
+    /// The slots that light from lamps reaches.
+    fn lit(&self, tracer: &Tracer, options: &Tessellation, rays: u32) -> Result<Vec<u32>, Cancelled> {
         let slots = self.slots();
         let lamps = Lamps::new(tracer);
         let mut seen_by: Vec<Option<Vec<u32>>> = vec![None; slots];
         let mut reached = vec![false; slots];
-        let mut wave: Vec<u32> = match options.reach {
-            Reach::Light => (0..slots as u32).filter(|&s| self.emits(s)).collect(),
-            Reach::Everything => Vec::new(),
-        };
+        let mut wave: Vec<u32> = (0..slots as u32).filter(|&s| self.emits(s)).collect();
         wave.iter().for_each(|&s| reached[s as usize] = true);
         loop {
             // Let the newest slots send light on.
@@ -75,12 +98,9 @@ impl Patches<'_> {
                 landings.extend(on_lamps);
                 seen_by[*slot as usize] = Some(landings);
             }
-            let sees_light = |slot: u32| match options.reach {
-                Reach::Light => seen_by[slot as usize]
-                    .iter()
-                    .flatten()
-                    .any(|&landing| reached[landing as usize] && self.is_bright(landing)),
-                Reach::Everything => seen_by[slot as usize].as_ref().is_some_and(|l| !l.is_empty()),
+            let sees_light = |slot: u32| {
+                let mut landings = seen_by[slot as usize].iter().flatten();
+                landings.any(|&landing| reached[landing as usize] && self.is_bright(landing))
             };
             wave = dark.into_iter().filter(|&slot| sees_light(slot)).collect();
             if wave.is_empty() {
@@ -88,9 +108,7 @@ impl Patches<'_> {
             }
             wave.iter().for_each(|&s| reached[s as usize] = true);
         }
-        let found: Vec<u32> = (0..slots as u32).filter(|&s| reached[s as usize]).collect();
-        self.activate(&found);
-        Ok(())
+        Ok((0..slots as u32).filter(|&s| reached[s as usize]).collect())
     }
 
     /// The slots on which a few rays from each of `slots` land, each once.

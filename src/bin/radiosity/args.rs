@@ -94,6 +94,7 @@ impl AccuracyArgs {
         TraceOptions {
             rays: self.rays,
             lamp_rays: None,
+            keep: Default::default(),
             seed: run.seed,
             storage,
             memory: run.memory,
