@@ -24,7 +24,7 @@ use crate::progress::{Cancelled, Progress};
 use crate::transport::Transport;
 
 /// Radiance and irradiance of every patch, and how good they are.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Solution {
     /// Radiance L, n × c, W·sr⁻¹·m⁻². Row by row Lₑ + ρH/π.
     pub radiance: DMatrix<f64>,
@@ -32,6 +32,13 @@ pub struct Solution {
     pub irradiance: DMatrix<f64>,
     /// How it was found.
     pub report: Report,
+}
+
+impl std::fmt::Debug for Solution {
+    /// Only the report: the numbers would fill books.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Solution").field("report", &self.report).finish_non_exhaustive()
+    }
 }
 
 /// What a solver says of its answer.

@@ -13,7 +13,7 @@ use crate::transport::Transport;
 pub struct NeumannOptions<'a> {
     /// The highest order: the series ends with KᵏE for this k at the latest.
     pub order: usize,
-    /// Relative residual ‖E − (I − K)L‖∞ / ‖E‖∞ at which it ends before; 0 for an exact number of orders.
+    /// Relative residual ‖E − (I − K)L‖∞ / ‖E‖∞ at which it ends before, from order 1 on; 0 for an exact number of orders.
     pub tolerance: f64,
     /// Where to report progress, as stage `series`.
     pub progress: Progress<'a>,
@@ -81,11 +81,13 @@ pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Res
         report.bound = report.bound.min(tail_bound(&norm, &added, &radiance));
         let order = bounces.len();
         bounces.push(Bounce { order, flux: flux(&added), residual: report.residual, bound: report.bound });
-        if report.residual <= options.tolerance || order >= options.order {
+        // The irradiance of order 0 is zero by definition; whoever asks for a tolerance wants to see what arrives.
+        let done = report.residual <= options.tolerance && order > 0;
+        if done || order >= options.order {
             break report;
         }
-        let done = progress_made(bounces[0].residual, report.residual, options.tolerance);
-        options.progress.at("series", done.max(order as f64 / options.order as f64))?;
+        let progress = progress_made(bounces[0].residual, report.residual, options.tolerance);
+        options.progress.at("series", progress.max(order as f64 / options.order as f64))?;
         added = residual;
         (radiance, irradiance) = (next, next_irradiance);
     };
