@@ -7,5 +7,6 @@ mod hard_cases; // near-singular, tiny, huge, degenerate: every solver, both sto
 mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, an independent reference
 mod structure; // modules import only from their left
 
+mod saved_factors; // what may change around saved form factors, and what may not
 mod scenes; // small scenes, made on the spot
 mod scratch; // a temporary folder for all of them

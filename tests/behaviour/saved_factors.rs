@@ -1,0 +1,142 @@
+//! Saved form factors: what may change around them, and what makes them useless.
+
+use radiosity::patches::{PatchSize, Patches, Tessellation};
+use radiosity::scene::{Material, Scene, SceneParts};
+use radiosity::solve::{self, CgOptions};
+use radiosity::trace::Tracer;
+use radiosity::transport::{
+    FactorsFileError, FormFactors, Keep, Reuse, StorageKind, TraceOptions, Transport, TransportError,
+};
+
+use crate::scenes::{quads, room};
+
+/// A room with two lamps that may be on or off, and a divider that is lit on both sides.
+fn scene(lamps: [f64; 2], rho: f64) -> Scene {
+    let panel = |x: f64| [[x, 0.9, 0.4], [x + 0.2, 0.9, 0.4], [x + 0.2, 0.9, 0.6], [x, 0.9, 0.6]];
+    let divider = [[0.5, 0.0, 0.0], [0.5, 0.6, 0.0], [0.5, 0.6, 1.0], [0.5, 0.0, 1.0]];
+    let walls = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
+    let more = [(panel(0.1), 1), (panel(0.7), 2), (divider, 0)];
+    let all: Vec<_> = walls.into_iter().chain(more).collect();
+    let lamp = |name: &str, power: f64| Material::lamp(name, &[0.1], &[power]);
+    quads(&all, vec![Material::diffuse("grey", &[rho]), lamp("left", lamps[0]), lamp("right", lamps[1])])
+}
+
+fn cut() -> Tessellation<'static> {
+    Tessellation { size: PatchSize::Edge(0.12), ..Default::default() }
+}
+
+fn traced<'s>(tracer: &Tracer<'s>, storage: StorageKind) -> (Patches<'s>, FormFactors) {
+    let mut patches = Patches::new(tracer, &cut()).unwrap();
+    let options = TraceOptions { rays: Some(64), storage, keep: Keep::Rays, ..Default::default() };
+    let factors = FormFactors::trace(tracer, &mut patches, &options).unwrap();
+    (patches, factors)
+}
+
+fn saved(scene: &Scene, storage: StorageKind) -> Vec<u8> {
+    let tracer = Tracer::new(scene);
+    let (patches, factors) = traced(&tracer, storage);
+    let mut file = Vec::new();
+    factors.save(&patches, &mut file).unwrap();
+    file
+}
+
+/// Irradiance of every patch, and how much of `file` could be used.
+fn solved_with(file: &[u8], scene: &Scene) -> (Vec<f64>, Reuse) {
+    let tracer = Tracer::new(scene);
+    let (patches, factors, reuse) = FormFactors::load(file, &tracer, &cut(), StorageKind::Auto).unwrap();
+    (irradiance(&patches, &factors), reuse)
+}
+
+fn irradiance(patches: &Patches, factors: &FormFactors) -> Vec<f64> {
+    let k = Transport::of(factors, patches).unwrap();
+    let solution = solve::conjugate_gradients(&k, &patches.sources(), &CgOptions::default()).unwrap();
+    solution.irradiance.as_slice().to_vec()
+}
+
+#[test]
+fn nothing_is_traced_again_for_other_powers_and_reflectances() {
+    for storage in [StorageKind::Dense, StorageKind::Sparse] {
+        let before = scene([5.0, 3.0], 0.5);
+        let file = saved(&before, storage);
+        for (after, same_powers) in [(scene([5.0, 3.0], 0.8), true), (scene([1.0, 1.0], 0.8), false)] {
+            let (reused, reuse) = solved_with(&file, &after);
+            assert!(reuse.traced == 0 && reuse.balanced, "{reuse:?}");
+            let tracer = Tracer::new(&after);
+            let (patches, fresh) = traced(&tracer, storage);
+            let fresh = irradiance(&patches, &fresh);
+            if same_powers {
+                assert_eq!(reused, fresh, "the same bits");
+            }
+            // Powers guide where light sampling looks, so that other ones come with other noise.
+            let mean = |h: &[f64]| h.iter().sum::<f64>() / h.len() as f64;
+            assert!(reused.len() == fresh.len() && (mean(&reused) / mean(&fresh) - 1.0).abs() < 0.01);
+        }
+        assert!(solved_with(&file, &before).1.balanced);
+    }
+}
+
+#[test]
+fn only_what_other_lamps_newly_reach_is_traced() {
+    let left = scene([5.0, 0.0], 0.5);
+    let both = scene([5.0, 5.0], 0.5);
+    let file = saved(&left, StorageKind::Auto);
+    let (adapted, reuse) = solved_with(&file, &both);
+    assert!(!reuse.balanced && reuse.traced < reuse.held / 10, "{reuse:?}");
+    let tracer = Tracer::new(&both);
+    let (patches, fresh) = traced(&tracer, StorageKind::Auto);
+    assert_eq!(adapted, irradiance(&patches, &fresh), "as if all had been traced anew");
+    // And back again: nothing is missing then.
+    let file = saved(&both, StorageKind::Auto);
+    let (adapted, reuse) = solved_with(&file, &left);
+    assert_eq!(reuse.traced, 0);
+    let tracer = Tracer::new(&left);
+    let (patches, fresh) = traced(&tracer, StorageKind::Auto);
+    let fresh = irradiance(&patches, &fresh);
+    assert_eq!(adapted.len(), fresh.len());
+    assert_eq!(adapted, fresh);
+}
+
+#[test]
+fn a_file_that_does_not_fit_is_refused_with_the_reason() {
+    let scene = scene([5.0, 3.0], 0.5);
+    let file = saved(&scene, StorageKind::Auto);
+    let tracer = Tracer::new(&scene);
+    let refused =
+        |file: &[u8], tracer: &Tracer| match FormFactors::load(file, tracer, &cut(), StorageKind::Auto) {
+            Err(TransportError::File(error)) => error,
+            other => panic!("{:?}", other.map(|(_, _, reuse)| reuse)),
+        };
+    assert_eq!(refused(b"mtllib a.mtl", &tracer), FactorsFileError::Foreign);
+    assert_eq!(refused(b"", &tracer), FactorsFileError::Foreign);
+    for length in [9, 12, 40, file.len() / 2, file.len() - 1] {
+        assert_eq!(refused(&file[..length], &tracer), FactorsFileError::Damaged, "cut to {length}");
+    }
+    for place in [20, 100, file.len() / 2, file.len() - 3] {
+        let mut altered = file.clone();
+        altered[place] ^= 0x10;
+        assert_eq!(refused(&altered, &tracer), FactorsFileError::Damaged, "altered at {place}");
+    }
+    let mut newer = file.clone();
+    newer[8] += 1;
+    assert_eq!(refused(&newer, &tracer), FactorsFileError::Version { found: 2 });
+    let moved = Scene::new(SceneParts {
+        name: "moved".into(),
+        vertices: scene.vertices().iter().map(|&p| p * 1.25).collect(),
+        faces: scene.faces().to_vec(),
+        materials: scene.materials().to_vec(),
+        objects: scene.objects().to_vec(),
+        ..Default::default()
+    });
+    let moved = moved.unwrap();
+    assert_eq!(refused(&file, &Tracer::new(&moved)), FactorsFileError::OtherScene);
+}
+
+#[test]
+fn form_factors_without_their_rays_can_not_be_saved() {
+    let scene = scene([5.0, 3.0], 0.5);
+    let tracer = Tracer::new(&scene);
+    let mut patches = Patches::new(&tracer, &cut()).unwrap();
+    let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
+    let error = factors.save(&patches, &mut Vec::new()).unwrap_err();
+    assert!(error.to_string().contains("not kept"), "{error}");
+}
