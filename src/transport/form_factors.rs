@@ -112,9 +112,9 @@ impl FormFactors {
         &self.exchange
     }
 
-    /// Form factors that are known already, with their rays.
-    pub(super) fn from_parts(exchange: Exchange, rows: Rows) -> Self {
-        Self { exchange, rays: rows.recipe.count.rays, rows: Some(rows) }
+    /// Form factors that are known already, perhaps with their rays.
+    pub(super) fn from_parts(exchange: Exchange, rays: u32, rows: Option<Rows>) -> Self {
+        Self { exchange, rays, rows }
     }
 
     /// The rays, if they were kept.

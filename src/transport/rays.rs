@@ -109,18 +109,16 @@ impl Rows {
         Ok(rows)
     }
 
-    /// Makes rows that are good for other lamps or reflectances good for these: traces what is missing. Answers whether
-    /// anything had to be changed.
+    /// Makes rows that are good for other lamps or reflectances good for these: traces what is missing.
     pub fn adapt(
         &mut self,
         tracer: &Tracer,
         patches: &mut Patches,
         progress: Progress,
-    ) -> Result<bool, Cancelled> {
+    ) -> Result<(), Cancelled> {
         let goals = Goals::new(tracer, patches, self.recipe);
         let known = self.rows.len();
-        let same_lamps = goals.lamps.faces().eq(self.lamp_faces.iter().copied());
-        if !same_lamps {
+        if !goals.lamps.faces().eq(self.lamp_faces.iter().copied()) {
             self.lamp_faces = goals.lamps.faces().collect();
             let recipe = self.recipe;
             for (done, chunk) in self.rows.chunks_mut(CHUNK).enumerate() {
@@ -128,8 +126,7 @@ impl Rows {
                 chunk.par_iter_mut().for_each(|row| look_for_lamps(tracer, patches, &goals, row, recipe));
             }
         }
-        self.complete(tracer, patches, &goals, progress)?;
-        Ok(!same_lamps || self.rows.len() > known)
+        self.complete(tracer, patches, &goals, progress)
     }
 
     /// Traces the rows of patches that have none, and of those that these reach, to the end.

@@ -14,10 +14,10 @@ use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 use super::exchange::{Exchange, Storage};
 use super::lamp_columns::LampShare;
 use super::rays::{RayCount, Recipe, Row, Rows};
-use super::{Closure, FormFactors, StorageKind, TransportError};
+use super::{Closure, FormFactors, Keep, StorageKind, TransportError};
 use crate::patches::{Patches, Tessellation};
 use crate::scene::{FaceState, Scene};
-use crate::trace::Tracer;
+use crate::trace::{Lamps, Tracer};
 
 const MAGIC: &[u8; 8] = b"radiosFF";
 
@@ -78,6 +78,9 @@ impl FormFactors {
         // The rows, one property after another.
         let all = rows.all();
         file.list(&all.iter().map(|row| row.slot).collect::<Vec<_>>())?;
+        let landings: usize = all.iter().map(|row| row.landings.len()).sum();
+        let shares: usize = all.iter().map(|row| row.lamp_shares.len()).sum();
+        file.one((4 * (landings + all.len() + 3 * shares)) as u64)?;
         all.iter().try_for_each(|row| file.all(&row.landings))?;
         file.all(&all.iter().map(|row| row.lamp_shares.len() as u32).collect::<Vec<_>>())?;
         for row in all {
@@ -124,41 +127,49 @@ impl FormFactors {
         tracer: &Tracer<'s>,
         options: &Tessellation,
         storage: StorageKind,
+        keep: Keep,
     ) -> Result<(Patches<'s>, Self, Reuse), TransportError> {
         let progress = options.progress;
         progress.at("load", 0.0)?;
         let scene = tracer.scene();
         let saved = Saved::read(file, scene)?;
-        let held = saved.rows.all().len();
+        let Recipe { count: RayCount { rays: per_patch, lamp_rays }, .. } = saved.recipe;
+        let held = saved.row_slots.len();
+        // Where the same faces may send out light and the same are lamps, all is as it was.
         let same_light = saved.light == light_hash(scene);
         let known = same_light.then_some(saved.slots.as_slice());
         let mut patches = Patches::recut(tracer, saved.edge, known, options)?;
         if patches.is_empty() {
             return Err(TransportError::Dark);
         }
-        let mut rows = saved.rows;
-        progress.at("trace", 0.0)?;
-        let changed = rows.adapt(tracer, &mut patches, progress)?;
-        let traced = rows.all().len() - held;
-        let same_patches = patches.len() == saved.slots.len()
-            && (0..patches.len()).all(|i| patches.slot_of_patch(i) == saved.slots[i]);
-        let balanced = !changed && same_patches;
-        let exchange = if balanced {
+        let lamps = Lamps::of_interest(tracer, lamp_rays);
+        if same_light && lamps.faces().eq(saved.lamp_faces.iter().copied()) {
+            let rows = (keep == Keep::Rays).then(|| saved.rows()).transpose()?;
             let areas = DVector::from_row_slice(patches.areas());
-            Exchange::from_raw(saved.storage, saved.scale, saved.escape, areas, saved.closure)
-        } else {
-            progress.at("balance", 0.0)?;
-            Exchange::from_rows(&rows, &patches, storage, None, progress)?
-        };
-        Ok((patches, Self::from_parts(exchange, rows), Reuse { traced, held, balanced }))
+            let exchange = Exchange::from_raw(saved.storage, saved.scale, saved.escape, areas, saved.closure);
+            let reuse = Reuse { traced: 0, held, balanced: true };
+            return Ok((patches, Self::from_parts(exchange, per_patch, rows), reuse));
+        }
+        progress.at("trace", 0.0)?;
+        let mut rows = saved.rows()?;
+        rows.adapt(tracer, &mut patches, progress)?;
+        let reuse = Reuse { traced: rows.all().len() - held, held, balanced: false };
+        progress.at("balance", 0.0)?;
+        let exchange = Exchange::from_rows(&rows, &patches, storage, None, progress)?;
+        let rows = (keep == Keep::Rays).then_some(rows);
+        Ok((patches, Self::from_parts(exchange, per_patch, rows), reuse))
     }
 }
 
 /// What a file says, checked for consistency.
-struct Saved {
+struct Saved<'a> {
     light: u64,
     edge: f64,
-    rows: Rows,
+    recipe: Recipe,
+    lamp_faces: Vec<u32>,
+    row_slots: Vec<u32>,
+    /// Landings and lamp shares of the rows, not yet taken apart.
+    row_content: Reader<'a>,
     slots: Vec<u32>,
     storage: Storage,
     scale: DVector<f64>,
@@ -166,8 +177,8 @@ struct Saved {
     closure: Closure,
 }
 
-impl Saved {
-    fn read(file: &[u8], scene: &Scene) -> Result<Self, FactorsFileError> {
+impl<'a> Saved<'a> {
+    fn read(file: &'a [u8], scene: &Scene) -> Result<Self, FactorsFileError> {
         use FactorsFileError::{Damaged, Foreign, OtherScene, Version};
         if !file.starts_with(MAGIC) {
             return Err(Foreign);
@@ -190,19 +201,7 @@ impl Saved {
         let count = RayCount { rays: from.one()?, lamp_rays: from.one()? };
         let lamp_faces = from.list::<u32>()?;
         let row_slots = from.list::<u32>()?;
-        let landings = from.some::<u32>(row_slots.len() * count.rays as usize)?;
-        let shares = from.some::<u32>(row_slots.len())?;
-        let mut rows = Vec::with_capacity(row_slots.len());
-        for (k, (&slot, &shares)) in row_slots.iter().zip(&shares).enumerate() {
-            let keys = from.some::<u32>(2 * shares as usize)?;
-            let values = from.some::<f32>(shares as usize)?;
-            let share = |(key, &share): (&[u32], &f32)| LampShare { slot: key[0], batch: key[1], share };
-            rows.push(Row {
-                slot,
-                landings: landings[k * count.rays as usize..(k + 1) * count.rays as usize].to_vec(),
-                lamp_shares: keys.chunks_exact(2).zip(&values).map(share).collect(),
-            });
-        }
+        let row_content = Reader(from.bytes()?);
         let slots = from.list::<u32>()?;
         let n = slots.len();
         let storage = match from.one::<u32>()? {
@@ -227,13 +226,35 @@ impl Saved {
         Ok(Self {
             light,
             edge,
-            rows: Rows::new(Recipe { count, seed }, lamp_faces, rows),
+            recipe: Recipe { count, seed },
+            lamp_faces,
+            row_slots,
+            row_content,
             slots,
             storage,
             scale: DVector::from_vec(scale),
             escape: DVector::from_vec(escape),
             closure: Closure { before, after, iterations },
         })
+    }
+}
+
+impl Saved<'_> {
+    /// Takes the rows apart.
+    fn rows(&self) -> Result<Rows, FactorsFileError> {
+        let mut from = Reader(self.row_content.0);
+        let rays = self.recipe.count.rays as usize;
+        let landings = from.some::<u32>(self.row_slots.len() * rays)?;
+        let shares = from.some::<u32>(self.row_slots.len())?;
+        let mut rows = Vec::with_capacity(self.row_slots.len());
+        for ((&slot, landings), &shares) in self.row_slots.iter().zip(landings.chunks(rays)).zip(&shares) {
+            let keys = from.some::<u32>(2 * shares as usize)?;
+            let values = from.some::<f32>(shares as usize)?;
+            let share = |(key, &share): (&[u32], &f32)| LampShare { slot: key[0], batch: key[1], share };
+            let lamp_shares = keys.chunks_exact(2).zip(&values).map(share).collect();
+            rows.push(Row { slot, landings: landings.to_vec(), lamp_shares });
+        }
+        Ok(Rows::new(self.recipe, self.lamp_faces.clone(), rows))
     }
 }
 
@@ -283,12 +304,20 @@ impl Writer<'_> {
 /// The part of a file that is still to be read.
 struct Reader<'a>(&'a [u8]);
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     fn some<T: Pod>(&mut self, count: usize) -> Result<Vec<T>, FactorsFileError> {
         let bytes = count.checked_mul(size_of::<T>()).filter(|&bytes| bytes <= self.0.len());
         let (values, rest) = self.0.split_at(bytes.ok_or(FactorsFileError::Damaged)?);
         self.0 = rest;
         Ok(bytemuck::pod_collect_to_vec(values))
+    }
+
+    /// Bytes with their number before them, as they are.
+    fn bytes(&mut self) -> Result<&'a [u8], FactorsFileError> {
+        let count = self.one::<u64>()? as usize;
+        let (bytes, rest) = self.0.split_at_checked(count).ok_or(FactorsFileError::Damaged)?;
+        self.0 = rest;
+        Ok(bytes)
     }
 
     fn one<T: Pod>(&mut self) -> Result<T, FactorsFileError> {

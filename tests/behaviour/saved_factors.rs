@@ -43,7 +43,8 @@ fn saved(scene: &Scene, storage: StorageKind) -> Vec<u8> {
 /// Irradiance of every patch, and how much of `file` could be used.
 fn solved_with(file: &[u8], scene: &Scene) -> (Vec<f64>, Reuse) {
     let tracer = Tracer::new(scene);
-    let (patches, factors, reuse) = FormFactors::load(file, &tracer, &cut(), StorageKind::Auto).unwrap();
+    let (patches, factors, reuse) =
+        FormFactors::load(file, &tracer, &cut(), StorageKind::Auto, Keep::Nothing).unwrap();
     (irradiance(&patches, &factors), reuse)
 }
 
@@ -101,11 +102,16 @@ fn a_file_that_does_not_fit_is_refused_with_the_reason() {
     let scene = scene([5.0, 3.0], 0.5);
     let file = saved(&scene, StorageKind::Auto);
     let tracer = Tracer::new(&scene);
-    let refused =
-        |file: &[u8], tracer: &Tracer| match FormFactors::load(file, tracer, &cut(), StorageKind::Auto) {
-            Err(TransportError::File(error)) => error,
-            other => panic!("{:?}", other.map(|(_, _, reuse)| reuse)),
-        };
+    let refused = |file: &[u8], tracer: &Tracer| match FormFactors::load(
+        file,
+        tracer,
+        &cut(),
+        StorageKind::Auto,
+        Keep::Nothing,
+    ) {
+        Err(TransportError::File(error)) => error,
+        other => panic!("{:?}", other.map(|(_, _, reuse)| reuse)),
+    };
     assert_eq!(refused(b"mtllib a.mtl", &tracer), FactorsFileError::Foreign);
     assert_eq!(refused(b"", &tracer), FactorsFileError::Foreign);
     for length in [9, 12, 40, file.len() / 2, file.len() - 1] {
