@@ -91,7 +91,14 @@ impl AccuracyArgs {
             StorageArg::Dense => StorageKind::Dense,
             StorageArg::Sparse => StorageKind::Sparse,
         };
-        TraceOptions { rays: self.rays, seed: run.seed, storage, memory: run.memory, progress }
+        TraceOptions {
+            rays: self.rays,
+            seed: run.seed,
+            storage,
+            memory: run.memory,
+            progress,
+            ..Default::default()
+        }
     }
 }
 
