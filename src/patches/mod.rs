@@ -8,6 +8,8 @@ mod aggregate;
 mod sides;
 mod subdivide;
 
+use std::ops::Range;
+
 use glam::DVec3;
 use nalgebra::DMatrix;
 
@@ -38,14 +40,22 @@ pub struct Tessellation<'a> {
     pub reach: Reach,
     /// Number of the random sequence that looks for sides that light reaches.
     pub seed: u64,
+    /// The most bytes that finding those sides may take.
+    pub memory: u64,
     /// Where to report progress, as stage `patch`.
     pub progress: Progress<'a>,
 }
 
 impl Default for Tessellation<'_> {
-    /// 4000 patches where light reaches.
+    /// 8000 patches where light reaches, 4 GiB.
     fn default() -> Self {
-        Self { size: PatchSize::Count(4000), reach: Reach::Light, seed: 0, progress: Progress::default() }
+        Self {
+            size: PatchSize::Count(8000),
+            reach: Reach::Light,
+            seed: 0,
+            memory: 4 << 30,
+            progress: Progress::default(),
+        }
     }
 }
 
@@ -56,11 +66,15 @@ pub enum PatchError {
     /// The wanted size makes no sense.
     #[error("the patch size must be positive: {0}")]
     Size(String),
-    /// More patches than there are numbers for.
-    #[error("{slots} patches are more than fit (2³¹); use a longer --edge or a smaller --patches")]
+    /// More patches than fit.
+    #[error(
+        "{slots} patches, both sides counted, are more than the {most} that fit; use a longer --edge, a smaller --patches or more --memory"
+    )]
     TooMany {
         /// How many it would be, both sides counted.
         slots: u64,
+        /// How many there may be.
+        most: u64,
     },
     /// The observer asked to stop.
     #[error(transparent)]
@@ -87,6 +101,9 @@ pub struct Patches<'s> {
 /// The patch of a slot that is none.
 const NONE: u32 = u32::MAX;
 
+/// What a slot takes while sides are looked for: its patch, and what it sees.
+const BYTES_PER_SLOT: u64 = 40;
+
 /// The place of a slot: face, side and cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slot {
@@ -107,7 +124,7 @@ impl<'s> Patches<'s> {
         options.progress.at("patch", 0.0)?;
         match options.size {
             PatchSize::Edge(metres) if metres.is_finite() && metres > 0.0 => {
-                let mut patches = Self::cut(tracer, metres / tracer.frame().scale())?;
+                let mut patches = Self::cut(tracer, metres / tracer.frame().scale(), options)?;
                 patches.reach(tracer, options, sides::LOOK)?;
                 Ok(patches)
             }
@@ -122,14 +139,17 @@ impl<'s> Patches<'s> {
         /// A cut that has not the expected number of patches, because finer patches see more, is made once more.
         const ATTEMPTS: usize = 2;
         let (mut edge, _) = edge_for(tracer, count.min(COARSE), |_| [1.0; 2]);
-        let mut patches = Self::cut(tracer, edge)?;
+        let mut patches = Self::cut(tracer, edge, options)?;
         patches.reach(tracer, options, sides::GLANCE)?;
         for _ in 0..ATTEMPTS {
-            let shares: Vec<_> =
-                (0..tracer.scene().faces().len()).map(|f| patches.reached_share(f)).collect();
+            if patches.is_empty() && options.reach == Reach::Light {
+                break;
+            }
+            let share = |f: usize| if patches.is_empty() { [1.0; 2] } else { patches.reached_share(f) };
+            let shares: Vec<_> = (0..tracer.scene().faces().len()).map(share).collect();
             let expected;
             (edge, expected) = edge_for(tracer, count, |face| shares[face]);
-            patches = Self::cut(tracer, edge)?;
+            patches = Self::cut(tracer, edge, options)?;
             patches.reach(tracer, options, sides::LOOK)?;
             if (patches.len() as f64 / expected - 1.0).abs() < 0.1 {
                 break;
@@ -139,14 +159,15 @@ impl<'s> Patches<'s> {
     }
 
     /// Cuts every face for legs up to `edge` (normalised); no slot is a patch yet.
-    fn cut(tracer: &Tracer<'s>, edge: f64) -> Result<Self, PatchError> {
+    fn cut(tracer: &Tracer<'s>, edge: f64, options: &Tessellation) -> Result<Self, PatchError> {
         let scene = tracer.scene();
         let kept = |f: usize| scene.faces()[f].state == FaceState::Kept;
         let faces = scene.faces().len();
         let cells = (0..faces).filter(|&f| kept(f)).map(|f| subdivide::cells_for(tracer.corners(f), edge));
         let slots = 2 * cells.sum::<u64>();
-        if slots > 1 << 31 {
-            return Err(PatchError::TooMany { slots });
+        let most = (options.memory / BYTES_PER_SLOT).min(1 << 31);
+        if slots > most {
+            return Err(PatchError::TooMany { slots, most });
         }
         let cuts = Cuts::new((0..faces).map(|f| kept(f).then(|| tracer.corners(f))), edge);
         let mut first_slot = vec![0];
@@ -163,6 +184,21 @@ impl<'s> Patches<'s> {
             areas: Vec::new(),
             edge,
         })
+    }
+
+    /// Cuts with a known edge (normalised); the patches are the given slots, or those that light reaches.
+    pub(crate) fn recut(
+        tracer: &Tracer<'s>,
+        edge: f64,
+        slots: Option<&[u32]>,
+        options: &Tessellation,
+    ) -> Result<Self, PatchError> {
+        let mut patches = Self::cut(tracer, edge, options)?;
+        match slots {
+            Some(slots) => patches.activate(slots),
+            None => patches.reach(tracer, options, sides::LOOK)?,
+        }
+        Ok(patches)
     }
 
     /// Makes the given slots patches too, and numbers all patches anew.
@@ -209,6 +245,10 @@ impl<'s> Patches<'s> {
         self.edge * self.frame.scale()
     }
 
+    pub(crate) fn normalised_edge(&self) -> f64 {
+        self.edge
+    }
+
     /// The patch in which a point of a face's side lies; none where light does not reach.
     #[inline]
     pub fn patch_at(&self, face: usize, side: Side, point: Barycentrics) -> Option<usize> {
@@ -223,10 +263,16 @@ impl<'s> Patches<'s> {
     }
 
     /// The patches of a face's side; they follow one another.
-    pub fn patches_of(&self, face: usize, side: Side) -> std::ops::Range<usize> {
-        let first = self.first_slot_of(face, side);
+    pub fn patches_of(&self, face: usize, side: Side) -> Range<usize> {
+        let slots = self.slots_of(face, side);
         let place = |slot: u32| self.slot_of_patch.partition_point(|&s| s < slot);
-        place(first)..place(first + self.cuts.cells(face))
+        place(slots.start)..place(slots.end)
+    }
+
+    /// The slots of a face's side.
+    pub(crate) fn slots_of(&self, face: usize, side: Side) -> Range<u32> {
+        let first = self.first_slot_of(face, side);
+        first..first + self.cuts.cells(face)
     }
 
     fn first_slot_of(&self, face: usize, side: Side) -> u32 {
@@ -353,11 +399,7 @@ impl Facet {
     }
 
     /// Cosine-distributed rays from all over the facet: points `range` of a random sequence.
-    pub fn rays(
-        self,
-        sequence: sampling::Sequence,
-        range: std::ops::Range<u32>,
-    ) -> impl Iterator<Item = Ray> {
+    pub fn rays(self, sequence: sampling::Sequence, range: Range<u32>) -> impl Iterator<Item = Ray> {
         let frame = sampling::frame_around(self.normal);
         range.map(move |k| {
             let [s, t, x, y] = sequence.point(k);
@@ -367,26 +409,39 @@ impl Facet {
     }
 }
 
+/// The most slots, reached or not, for each patch that is wanted.
+const DARK_PER_PATCH: f64 = 16.0;
+
 /// The edge (normalised) at which about `count` slots are reached, and how many are at this edge, where `share` tells which part
 /// of each face's sides is.
 fn edge_for(tracer: &Tracer, count: usize, share: impl Fn(usize) -> [f64; 2]) -> (f64, f64) {
     let faces: Vec<(usize, f64)> = (0..tracer.scene().faces().len())
         .filter(|&f| tracer.scene().faces()[f].state == FaceState::Kept)
         .map(|f| (f, share(f).iter().sum::<f64>()))
-        .filter(|&(_, share)| share > 0.0)
         .collect();
     let whole: f64 = faces.iter().map(|&(_, share)| share).sum();
     let goal = if whole < count as f64 { count as f64 } else { whole + 0.5 * count as f64 };
-    let reached = |edge: f64| -> f64 {
-        faces.iter().map(|&(f, share)| share * subdivide::cells_for(tracer.corners(f), edge) as f64).sum()
+    // Where light reaches but little, the rest must not be cut without end either.
+    let most_slots = 2.0 * faces.len() as f64 + DARK_PER_PATCH * count as f64;
+    let slots_at = |edge: f64| -> (f64, f64) {
+        let sum = |(reached, all): (f64, f64), &(f, share): &(usize, f64)| {
+            let cells = subdivide::cells_for(tracer.corners(f), edge) as f64;
+            (reached + share * cells, all + 2.0 * cells)
+        };
+        faces.iter().fold((0.0, 0.0), sum)
+    };
+    let reached = |edge: f64| slots_at(edge).0;
+    let too_fine = |edge: f64| {
+        let (reached, all) = slots_at(edge);
+        reached > goal || all > most_slots
     };
     // Bisect on a logarithmic scale; the count falls in steps as the edge grows.
     let (mut fine, mut coarse) = (1e-6f64, 4.0);
     while coarse / fine > 1.001 {
         let edge = (fine * coarse).sqrt();
-        if reached(edge) > goal { fine = edge } else { coarse = edge }
+        if too_fine(edge) { fine = edge } else { coarse = edge }
     }
     let off = |edge: f64| (reached(edge) / goal).ln().abs();
-    let edge = if off(fine) < off(coarse) { fine } else { coarse };
+    let edge = if slots_at(fine).1 <= most_slots && off(fine) < off(coarse) { fine } else { coarse };
     (edge, reached(edge))
 }

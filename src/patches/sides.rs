@@ -3,19 +3,21 @@
 //! Reached is a flag per slot. Lamps are reached; from every reached slot that reflects or emits, light goes on to what its rays meet
 //! and to what sees it, until nothing new turns up. What no light reaches costs nothing and stays exactly zero.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::{Patches, Tessellation};
 use crate::progress::Cancelled;
 use crate::scene::Side;
-use crate::trace::{Tracer, sampling::Sequence};
+use crate::trace::{Lamps, Tracer, geometry_term, sampling::Sequence};
 
 /// Which sides become patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
     /// Those that light from the scene's lamps reaches.
     Light,
-    /// Those that see anything, lit or not: for form factors.
+    /// Whole sides of faces that see anything, lit or not: for form factors.
     Everything,
 }
 
@@ -25,8 +27,12 @@ pub(super) const LOOK: u32 = 16;
 /// Rays for a first impression.
 pub(super) const GLANCE: u32 = 4;
 
-/// The stream of random sequences for looking around; apart from all others.
+/// Looks straight at lamps, which are small and easily missed.
+const LAMP_LOOKS: u32 = 4;
+
+/// The streams of random sequences for looking around and at lamps; apart from all others.
 const STREAM: u64 = 1 << 40;
+const LAMP_STREAM: u64 = 1 << 43;
 
 impl Patches<'_> {
     /// Finds the reached slots and makes them patches.
@@ -36,13 +42,35 @@ impl Patches<'_> {
         options: &Tessellation,
         rays: u32,
     ) -> Result<(), Cancelled> {
+        let found = match options.reach {
+            Reach::Light => self.lit(tracer, options, rays)?,
+            Reach::Everything => self.seeing(tracer, options, rays)?,
+        };
+        self.activate(&found);
+        Ok(())
+    }
+
+    /// The slots of all sides of faces that see something.
+    fn seeing(&self, tracer: &Tracer, options: &Tessellation, rays: u32) -> Result<Vec<u32>, Cancelled> {
+        /// To see anything at all is asked of a side but once, and answered with care.
+        const CARE: u32 = 4;
+        options.progress.at("patch", 0.3)?;
+        let sides =
+            (0..self.scene.faces().len()).flat_map(|face| Side::BOTH.map(|side| self.slots_of(face, side)));
+        let sees = |side: &Range<u32>| {
+            let slots: Vec<u32> = side.clone().collect();
+            self.look(tracer, &slots, CARE * rays, options.seed).iter().any(|landings| !landings.is_empty())
+        };
+        Ok(sides.filter(sees).flatten().collect())
+    }
+
+    /// The slots that light from lamps reaches.
+    fn lit(&self, tracer: &Tracer, options: &Tessellation, rays: u32) -> Result<Vec<u32>, Cancelled> {
         let slots = self.slots();
+        let lamps = Lamps::new(tracer);
         let mut seen_by: Vec<Option<Vec<u32>>> = vec![None; slots];
         let mut reached = vec![false; slots];
-        let mut wave: Vec<u32> = match options.reach {
-            Reach::Light => (0..slots as u32).filter(|&s| self.emits(s)).collect(),
-            Reach::Everything => Vec::new(),
-        };
+        let mut wave: Vec<u32> = (0..slots as u32).filter(|&s| self.emits(s)).collect();
         wave.iter().for_each(|&s| reached[s as usize] = true);
         loop {
             // Let the newest slots send light on.
@@ -64,15 +92,15 @@ impl Patches<'_> {
             let dark: Vec<u32> = (0..slots as u32).filter(|&s| !reached[s as usize]).collect();
             let unasked: Vec<u32> = dark.iter().copied().filter(|&s| seen_by[s as usize].is_none()).collect();
             options.progress.at("patch", 0.6)?;
-            for (slot, landings) in unasked.iter().zip(self.look(tracer, &unasked, rays, options.seed)) {
+            let looks = self.look(tracer, &unasked, rays, options.seed);
+            let lamp_looks = self.look_at_lamps(tracer, &lamps, &unasked, options.seed);
+            for ((slot, mut landings), on_lamps) in unasked.iter().zip(looks).zip(lamp_looks) {
+                landings.extend(on_lamps);
                 seen_by[*slot as usize] = Some(landings);
             }
-            let sees_light = |slot: u32| match options.reach {
-                Reach::Light => seen_by[slot as usize]
-                    .iter()
-                    .flatten()
-                    .any(|&landing| reached[landing as usize] && self.is_bright(landing)),
-                Reach::Everything => seen_by[slot as usize].as_ref().is_some_and(|l| !l.is_empty()),
+            let sees_light = |slot: u32| {
+                let mut landings = seen_by[slot as usize].iter().flatten();
+                landings.any(|&landing| reached[landing as usize] && self.is_bright(landing))
             };
             wave = dark.into_iter().filter(|&slot| sees_light(slot)).collect();
             if wave.is_empty() {
@@ -80,9 +108,7 @@ impl Patches<'_> {
             }
             wave.iter().for_each(|&s| reached[s as usize] = true);
         }
-        let found: Vec<u32> = (0..slots as u32).filter(|&s| reached[s as usize]).collect();
-        self.activate(&found);
-        Ok(())
+        Ok((0..slots as u32).filter(|&s| reached[s as usize]).collect())
     }
 
     /// The slots on which a few rays from each of `slots` land, each once.
@@ -96,6 +122,24 @@ impl Patches<'_> {
             landings.sort_unstable();
             landings.dedup();
             landings
+        };
+        slots.par_iter().map(look_from).collect()
+    }
+
+    /// A slot on a lamp that each of `slots` sees, if it sees any.
+    fn look_at_lamps(&self, tracer: &Tracer, lamps: &Lamps, slots: &[u32], seed: u64) -> Vec<Option<u32>> {
+        let look_from = |&slot: &u32| {
+            let facet = self.facet(tracer, slot);
+            let view = lamps.view_from(&[facet.centre()], facet.normal);
+            let sequence = Sequence::new(seed, LAMP_STREAM + slot as u64, 0);
+            (0..LAMP_LOOKS).find_map(|k| {
+                let [s, t, u, v] = sequence.point(k);
+                let from = facet.point([s, t]);
+                let to = lamps.sample(&view, [u, v])?;
+                let faces_it = geometry_term((from, facet.normal), (to.point, to.normal)) > 0.0;
+                let sees_it = faces_it && tracer.unoccluded((from, facet.face), (to.point, to.face));
+                sees_it.then(|| self.slot_at(to.face as usize, Side::Front, to.barycentrics))
+            })
         };
         slots.par_iter().map(look_from).collect()
     }

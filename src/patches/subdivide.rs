@@ -95,7 +95,7 @@ impl Grid {
 
 /// Segments no longer than `edge` that a length is divided into.
 fn segments(length: f64, edge: f64) -> u32 {
-    (length / edge - 1e-9).ceil().clamp(1.0, 4096.0) as u32
+    (length / edge - 1e-9).ceil().clamp(1.0, 65536.0) as u32
 }
 
 /// The pieces of a face with these corners for patches of legs up to `edge`: corners, rows, columns.

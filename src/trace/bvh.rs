@@ -9,7 +9,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::{BvhBuildParams, ploc::PlocSearchDistance};
 
-use super::triangle::Shear;
+use super::triangle::{Corners, Shear, padded};
 use super::{Hit, Ray, SKIN};
 use crate::scene::Side;
 
@@ -23,7 +23,7 @@ const PAD: f32 = 1.0 / (1 << 19) as f32;
 const NEAR: f64 = 2.0;
 
 /// Deferred children before a walk calls itself to get a new stack.
-const STACK: usize = 96;
+const STACK: usize = 64;
 
 /// Four children side by side: lane k of every vector is child k.
 #[derive(Clone, Debug)]
@@ -33,20 +33,32 @@ struct Node {
     children: [Child; 4],
 }
 
-/// A node's index, or a run of triangles.
+/// A node's index, or a run of triangles, in one word: eight times the index, plus the number of triangles.
 #[derive(Clone, Copy, Debug, Default)]
-struct Child {
+struct Child(u32);
+
+impl Child {
+    fn new(first: u32, triangles: u32) -> Self {
+        debug_assert!(triangles < 8 && first < 1 << 29);
+        Self(8 * first + triangles)
+    }
+
     /// Index of the node or of the first triangle.
-    first: u32,
+    fn first(self) -> usize {
+        (self.0 / 8) as usize
+    }
+
     /// 0 for a node.
-    triangles: u32,
+    fn triangles(self) -> usize {
+        (self.0 % 8) as usize
+    }
 }
 
 #[derive(Debug)]
 pub(super) struct Bvh {
     nodes: Vec<Node>,
     /// Corners, in leaf order.
-    corners: Vec<[[f64; 3]; 3]>,
+    corners: Vec<Corners>,
     /// Face numbers, in leaf order.
     faces: Vec<u32>,
 }
@@ -63,14 +75,14 @@ impl Bvh {
         };
         let binary = build_bvh2(&boxes, params, &mut Default::default());
         let mut nodes = Vec::new();
-        let root = Child { first: 0, triangles: binary.nodes[0].prim_count };
-        if root.triangles > 0 {
-            nodes.push(Node::new(&[(*binary.nodes[0].aabb(), Child { first: 0, ..root })]));
+        let root = &binary.nodes[0];
+        if root.prim_count > 0 {
+            nodes.push(Node::new(&[(*root.aabb(), Child::new(0, root.prim_count))]));
         } else {
             fold(&binary, 0, &mut nodes);
         }
         let faces: Vec<u32> = binary.primitive_indices.iter().map(|&k| kept[k as usize]).collect();
-        let corners = faces.iter().map(|&f| corners[f as usize].map(|p| p.to_array())).collect();
+        let corners = faces.iter().map(|&f| corners[f as usize].map(padded)).collect();
         Self { nodes, corners, faces }
     }
 
@@ -79,7 +91,7 @@ impl Bvh {
             Hit { face: u32::MAX, side: Side::Front, distance: f64::INFINITY, barycentrics: [0.0; 2] };
         let (ray, skipped) = approach(ray);
         let shear = Shear::new(ray.origin, ray.direction);
-        self.walk(0, &Slabs::new(&ray), f32::INFINITY, &mut |k| {
+        self.walk(Child::default(), &Slabs::new(&ray), f32::INFINITY, &mut |k| {
             let face = self.faces[k];
             if face != ray.from
                 && let Some(crossing) = shear.cross(&self.corners[k])
@@ -105,7 +117,7 @@ impl Bvh {
         let limit = limit - skipped;
         let shear = Shear::new(ray.origin, ray.direction);
         let mut met = false;
-        self.walk(0, &Slabs::new(&ray), round_up(limit), &mut |k| {
+        self.walk(Child::default(), &Slabs::new(&ray), round_up(limit), &mut |k| {
             let face = self.faces[k];
             met |= face != ray.from
                 && face != to
@@ -117,9 +129,9 @@ impl Bvh {
 
     /// Walks the subtree under node `start`, nearest boxes first. `visit` looks at a triangle and answers the
     /// distance beyond which nothing matters any more; `limit` is the first such distance.
-    fn walk(&self, start: u32, slabs: &Slabs, mut limit: f32, visit: &mut impl FnMut(usize) -> f32) -> f32 {
+    fn walk(&self, start: Child, slabs: &Slabs, mut limit: f32, visit: &mut impl FnMut(usize) -> f32) -> f32 {
         let mut stack = [(0.0f32, Child::default()); STACK];
-        stack[0] = (0.0, Child { first: start, triangles: 0 });
+        stack[0] = (0.0, start);
         let mut depth = 1;
         while depth > 0 {
             depth -= 1;
@@ -127,17 +139,17 @@ impl Bvh {
             if near > limit {
                 continue;
             }
-            if child.triangles > 0 {
-                for k in child.first..child.first + child.triangles {
-                    limit = visit(k as usize);
+            if child.triangles() > 0 {
+                for k in child.first()..child.first() + child.triangles() {
+                    limit = visit(k);
                 }
                 continue;
             }
             if depth + 4 > STACK {
-                limit = self.walk(child.first, slabs, limit, visit);
+                limit = self.walk(child, slabs, limit, visit);
                 continue;
             }
-            let node = &self.nodes[child.first as usize];
+            let node = &self.nodes[child.first()];
             let (near, mut met) = slabs.meet(node, limit);
             // Push the children that are met, nearest on top.
             let bottom = depth;
@@ -198,7 +210,7 @@ fn fold(binary: &Bvh2, root: u32, nodes: &mut Vec<Node>) -> u32 {
         .map(|k| {
             let node = &binary.nodes[k as usize];
             let first = if is_inner(k) { fold(binary, k, nodes) } else { node.first_index };
-            (*node.aabb(), Child { first, triangles: node.prim_count })
+            (*node.aabb(), Child::new(first, node.prim_count))
         })
         .collect();
     nodes[index] = Node::new(&folded);

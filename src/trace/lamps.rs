@@ -118,6 +118,21 @@ impl Lamps {
         Self { faces, lamp_of_face, by_power }
     }
 
+    /// The lamps of a scene; none where no rays are to be sent to them.
+    pub fn of_interest(tracer: &Tracer, rays: u32) -> Self {
+        if rays > 0 { Self::new(tracer) } else { Self::none(tracer) }
+    }
+
+    fn none(tracer: &Tracer) -> Self {
+        let lamp_of_face = vec![NONE; tracer.scene().faces().len()];
+        Self { faces: Vec::new(), lamp_of_face, by_power: Vec::new() }
+    }
+
+    /// The lamps' face numbers, ascending.
+    pub fn faces(&self) -> impl Iterator<Item = u32> {
+        self.faces.iter().map(|lamp| lamp.face)
+    }
+
     /// Number of lamp faces.
     pub fn len(&self) -> usize {
         self.faces.len()

@@ -4,6 +4,7 @@
 //! *batches*, each with a scrambling of its own, so that the spread between batches measures the error.
 
 use std::f64::consts::{FRAC_1_PI, PI};
+use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
@@ -20,6 +21,16 @@ impl Sequence {
         // Three rounds of SplitMix64 (Steele, Lea & Flood 2014).
         let mixed = [seed, stream, index].iter().fold(0u64, |state, &word| split_mix(state ^ word));
         Self((mixed >> 32) as u32)
+    }
+
+    /// Where place `place` finds its `count` points under scrambling `index`: a sequence and a stretch of it.
+    ///
+    /// Neighbouring places take neighbouring stretches of one sequence, so that their points complement each other: what is
+    /// averaged over many places converges faster than each place by itself.
+    pub fn stretch(seed: u64, stream: u64, place: u32, index: u64, count: u32) -> (Self, Range<u32>) {
+        let places = SEQUENCE_END / count.max(1);
+        let first = place % places * count;
+        (Self::new(seed, stream + (place / places) as u64, index), first..first + count)
     }
 
     /// Point `k` of the sequence, strictly inside the unit cube; k < [`SEQUENCE_END`].

@@ -9,9 +9,12 @@ use glam::DVec3;
 /// A ray, prepared for many triangles: axis permutation and shear.
 pub(super) struct Shear {
     axes: [usize; 3],
-    origin: [f64; 3],
+    origin: [f64; 4],
     shear: [f64; 3],
 }
+
+/// Three corners, each padded to four numbers: indices masked to 0..4 then need no check.
+pub(super) type Corners = [[f64; 4]; 3];
 
 /// Distance, weights of the second and third corner, and whether the front was met.
 pub(super) struct Crossing {
@@ -26,19 +29,21 @@ impl Shear {
         let z = direction.abs().max_position();
         // Swapping two axes where the ray runs backwards keeps the winding.
         let (x, y) = if d[z] < 0.0 { ((z + 2) % 3, (z + 1) % 3) } else { ((z + 1) % 3, (z + 2) % 3) };
-        Self { axes: [x, y, z], origin: origin.to_array(), shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]] }
+        let shear = [d[x] / d[z], d[y] / d[z], 1.0 / d[z]];
+        Self { axes: [x, y, z], origin: padded(origin), shear }
     }
 
     /// Where the ray's line crosses the triangle, at any distance, behind the origin included.
-    #[inline]
-    pub fn cross(&self, corners: &[[f64; 3]; 3]) -> Option<Crossing> {
-        let [x, y, z] = self.axes;
+    #[inline(always)]
+    pub fn cross(&self, corners: &Corners) -> Option<Crossing> {
+        let [x, y, z] = self.axes.map(|axis| axis & 3);
         let [sx, sy, sz] = self.shear;
         // Move the corners into the space where the ray starts at the origin and runs along z.
-        let [a, b, c] = corners.map(|p| {
+        let sheared = |p: &[f64; 4]| {
             let height = p[z] - self.origin[z];
             [p[x] - self.origin[x] - sx * height, p[y] - self.origin[y] - sy * height, height]
-        });
+        };
+        let (a, b, c) = (sheared(&corners[0]), sheared(&corners[1]), sheared(&corners[2]));
         // Tell on which side of each edge the ray passes.
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
@@ -57,11 +62,16 @@ impl Shear {
     }
 }
 
+/// A point as four numbers.
+pub(super) fn padded(p: DVec3) -> [f64; 4] {
+    [p.x, p.y, p.z, 0.0]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const CORNERS: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    const CORNERS: Corners = [[0.0; 4], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]];
 
     #[test]
     fn gives_distance_weights_and_side() {
@@ -76,7 +86,7 @@ mod tests {
 
     #[test]
     fn a_ray_through_a_shared_edge_meets_one_of_its_two_triangles() {
-        let other = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let other = [[1.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]];
         for k in 1..2000 {
             let s = k as f64 / 2000.0;
             let on_edge = DVec3::new(1.0 - s, s, 0.0);

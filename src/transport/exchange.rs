@@ -9,8 +9,10 @@ use rayon::prelude::*;
 use sprs::CsMatI;
 
 use super::balance::{self, Closure};
-use super::rays::{AWAY, Landings};
+use super::rays::{AWAY, BATCHES, Rows};
+use crate::patches::Patches;
 use crate::progress::{Cancelled, Progress};
+use crate::scene::Side;
 
 /// A symmetric n × n matrix of non-negative f32.
 #[derive(Clone, Debug)]
@@ -86,24 +88,48 @@ impl Exchange {
             .expect("a silent observer never cancels")
     }
 
-    /// Turns landings into raw exchange areas and balances them. Bytes of the matrix must be checked before.
-    pub(super) fn from_landings(
-        landings: &Landings,
-        areas: &[f64],
+    /// Turns the rows of patches into raw exchange areas and balances them; without batch `left_out`, if there is one.
+    pub(super) fn from_rows(
+        rows: &Rows,
+        patches: &Patches,
         kind: StorageKind,
+        left_out: Option<u32>,
         progress: Progress,
     ) -> Result<Self, Cancelled> {
-        let n = areas.len();
+        let n = patches.len();
+        let is_lamp: Vec<bool> = (0..n)
+            .map(|i| {
+                let place = patches.place(i);
+                place.side == Side::Front && rows.lamp_faces.binary_search(&(place.face as u32)).is_ok()
+            })
+            .collect();
+        let finder = Finder { rows, patches, is_lamp: &is_lamp, left_out };
         let (parts, escape): (Vec<Vec<Part>>, Vec<f64>) =
-            (0..n).into_par_iter().map(|i| found_by(i, landings, areas)).unzip();
+            (0..n).into_par_iter().map(|i| finder.found_by(i)).unzip();
         let storage = if kind.resolve(n, &parts) == StorageKind::Dense {
             Storage::Dense(dense(n, &parts))
         } else {
             Storage::Sparse(sparse(n, &parts))
         };
         drop(parts);
-        let (escape, areas) = (DVector::from_vec(escape), DVector::from_row_slice(areas));
-        Self::new(storage, escape, areas, &landings.is_lamp, progress)
+        let (escape, areas) = (DVector::from_vec(escape), DVector::from_row_slice(patches.areas()));
+        Self::new(storage, escape, areas, &is_lamp, progress)
+    }
+
+    /// What was balanced before.
+    pub(super) fn from_raw(
+        storage: Storage,
+        scale: DVector<f64>,
+        escape: DVector<f64>,
+        areas: DVector<f64>,
+        closure: Closure,
+    ) -> Self {
+        Self { storage, scale, escape, areas, closure }
+    }
+
+    /// T and D.
+    pub(super) fn raw(&self) -> (&Storage, &DVector<f64>) {
+        (&self.storage, &self.scale)
     }
 
     /// Number of patches n.
@@ -205,34 +231,56 @@ impl StorageKind {
 /// What one patch found of its exchange area with another; the pair's exchange area is the sum of both findings.
 type Part = (u32, f64);
 
-/// What patch i found: its parts, ascending, and what escapes from it.
-///
-/// A landing of i on j is worth A_i/N. Its variance grows with A_i, so the two directions of a pair are averaged with
-/// weights A_j and A_i: each landing between i and j is then worth the same from either side. Of a lamp its receivers know
-/// more than it does itself: between the two, only what they found counts.
-fn found_by(i: usize, landings: &Landings, areas: &[f64]) -> (Vec<Part>, f64) {
-    let rays = landings.count.rays as f64;
-    let is_lamp = &landings.is_lamp;
-    let mut sorted = landings.row(i).to_vec();
-    sorted.sort_unstable();
-    let mut escape = 0.0;
-    let mut parts: Vec<Part> = Vec::new();
-    for run in sorted.chunk_by(|a, b| a == b) {
-        let (patch, count) = (run[0], run.len() as f64);
-        if patch == AWAY {
-            escape = areas[i] * count / rays;
-        } else if is_lamp[patch as usize] == is_lamp[i] {
-            let j = patch as usize;
-            parts.push((patch, areas[i] * areas[j] / (areas[i] + areas[j]) * count / rays));
+/// Sums up rows into findings.
+struct Finder<'a> {
+    rows: &'a Rows,
+    patches: &'a Patches<'a>,
+    is_lamp: &'a [bool],
+    left_out: Option<u32>,
+}
+
+impl Finder<'_> {
+    /// What patch i found: its parts, ascending, and what escapes from it; a side without light is as good as outside.
+    ///
+    /// A landing of i on j is worth A_i/N. Its variance grows with A_i, so the two directions of a pair are averaged with
+    /// weights A_j and A_i: each landing between i and j is then worth the same from either side. Of a lamp its receivers
+    /// know more than it does itself: between the two, only what they found counts.
+    fn found_by(&self, i: usize) -> (Vec<Part>, f64) {
+        let areas = self.patches.areas();
+        let Some(row) = self.rows.of(self.patches.slot_of_patch(i)) else {
+            return (Vec::new(), areas[i]);
+        };
+        let batch_size = row.landings.len() / BATCHES as usize;
+        let batches =
+            row.landings.chunks(batch_size).zip(0..).filter(|&(_, batch)| Some(batch) != self.left_out);
+        let number =
+            |slot: u32| if slot == AWAY { AWAY } else { self.patches.patch_of_slot(slot).unwrap_or(AWAY) };
+        let mut sorted: Vec<u32> =
+            batches.flat_map(|(landings, _)| landings.iter().map(|&s| number(s))).collect();
+        sorted.sort_unstable();
+        let rays = sorted.len() as f64;
+        let mut escape = 0.0;
+        let mut parts: Vec<Part> = Vec::new();
+        for run in sorted.chunk_by(|a, b| a == b) {
+            let (patch, count) = (run[0], run.len() as f64);
+            if patch == AWAY {
+                escape = areas[i] * count / rays;
+            } else if self.is_lamp[patch as usize] == self.is_lamp[i] {
+                let j = patch as usize;
+                parts.push((patch, areas[i] * areas[j] / (areas[i] + areas[j]) * count / rays));
+            }
         }
+        let used = if self.left_out.is_some() { BATCHES - 1 } else { BATCHES };
+        let worth = areas[i] * BATCHES as f64 / used as f64;
+        let mut of_lamps: Vec<_> =
+            row.lamp_shares.iter().filter(|s| Some(s.batch) != self.left_out).collect();
+        of_lamps.sort_unstable_by_key(|s| (s.slot, s.batch));
+        for run in of_lamps.chunk_by(|a, b| a.slot == b.slot) {
+            parts.push((number(run[0].slot), worth * run.iter().map(|s| f64::from(s.share)).sum::<f64>()));
+        }
+        parts.sort_unstable_by_key(|part| part.0);
+        (parts, escape)
     }
-    let mut of_lamps = landings.lamp_shares(i).to_vec();
-    of_lamps.sort_unstable_by_key(|s| (s.patch, s.batch));
-    for run in of_lamps.chunk_by(|a, b| a.patch == b.patch) {
-        parts.push((run[0].patch, areas[i] * run.iter().map(|s| f64::from(s.share)).sum::<f64>()));
-    }
-    parts.sort_unstable_by_key(|part| part.0);
-    (parts, escape)
 }
 
 fn dense(n: usize, parts: &[Vec<Part>]) -> DMatrix<f32> {

@@ -2,10 +2,20 @@
 
 use super::TransportError;
 use super::exchange::{Exchange, StorageKind};
-use super::rays::{BATCHES, Landings, RayCount};
+use super::rays::{BATCHES, RayCount, Recipe, Rows};
 use crate::patches::Patches;
 use crate::progress::Progress;
 use crate::trace::{Tracer, sampling};
+
+/// What to keep of the rays once they have become exchange areas.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Keep {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// All: 4 bytes a ray, for standard errors and for saving.
+    Rays,
+}
 
 /// How to trace form factors.
 #[derive(Clone, Copy, Debug)]
@@ -13,8 +23,8 @@ pub struct TraceOptions<'a> {
     /// Rays per patch, rounded up to a multiple of 8; `None` for [`TraceOptions::usual_rays`]. Noise falls about as
     /// rays^-0.6, time grows in proportion.
     pub rays: Option<u32>,
-    /// Shadow rays per patch towards lamps, rounded up to a multiple of 8; `None` for a quarter of `rays`. They settle direct
-    /// light.
+    /// Shadow rays per patch towards lamps, rounded up to a multiple of 8; `None` for half of `rays`, 0 for none. They
+    /// settle direct light.
     pub lamp_rays: Option<u32>,
     /// Number of the random sequence. The same seed gives the same bits.
     pub seed: u64,
@@ -22,6 +32,8 @@ pub struct TraceOptions<'a> {
     pub storage: StorageKind,
     /// The most bytes the exchange areas may take.
     pub memory: u64,
+    /// What to keep of the rays.
+    pub keep: Keep,
     /// Where to report progress, as stages `trace` and `balance`.
     pub progress: Progress<'a>,
 }
@@ -35,12 +47,19 @@ impl Default for TraceOptions<'_> {
             seed: 0,
             storage: StorageKind::Auto,
             memory: 4 << 30,
+            keep: Keep::Nothing,
             progress: Progress::default(),
         }
     }
 }
 
 impl TraceOptions<'_> {
+    /// Shadow rays that go with so many rays.
+    fn lamp_rays_for(&self, rays: u32) -> u32 {
+        let most = BATCHES * sampling::SEQUENCE_END;
+        self.lamp_rays.unwrap_or(rays / 2).min(most).next_multiple_of(BATCHES)
+    }
+
     /// Rays per patch where none are asked for: 512, and fewer from 8192 patches on, but never less than 64, for a face that is
     /// cut into many patches averages their noise.
     pub fn usual_rays(patches: usize) -> u32 {
@@ -53,6 +72,7 @@ impl TraceOptions<'_> {
 pub struct FormFactors {
     exchange: Exchange,
     rays: u32,
+    rows: Option<Rows>,
 }
 
 impl FormFactors {
@@ -78,18 +98,28 @@ impl FormFactors {
         let rays = rays.next_multiple_of(BATCHES);
         options.progress.at("trace", 0.0)?;
         check_memory(patches.len() as u64, rays as u64, options)?;
-        let lamp_rays = options.lamp_rays.unwrap_or(rays / 4).clamp(BATCHES, most).next_multiple_of(BATCHES);
-        let count = RayCount { rays, lamp_rays };
-        let landings = Landings::trace(tracer, patches, count, options.seed, options.progress)?;
+        let recipe =
+            Recipe { count: RayCount { rays, lamp_rays: options.lamp_rays_for(rays) }, seed: options.seed };
+        let rows = Rows::trace(tracer, patches, recipe, options.progress)?;
         options.progress.at("balance", 0.0)?;
-        let exchange =
-            Exchange::from_landings(&landings, patches.areas(), options.storage, options.progress)?;
-        Ok(Self { exchange, rays })
+        let exchange = Exchange::from_rows(&rows, patches, options.storage, None, options.progress)?;
+        let rows = (options.keep == Keep::Rays).then_some(rows);
+        Ok(Self { exchange, rays, rows })
     }
 
     /// Symmetric exchange areas S_ij = A_i F_ij, normalised frame.
     pub fn exchange(&self) -> &Exchange {
         &self.exchange
+    }
+
+    /// Form factors that are known already, with their rays.
+    pub(super) fn from_parts(exchange: Exchange, rows: Rows) -> Self {
+        Self { exchange, rays: rows.recipe.count.rays, rows: Some(rows) }
+    }
+
+    /// The rays, if they were kept.
+    pub(super) fn rows(&self) -> Option<&Rows> {
+        self.rows.as_ref()
     }
 
     /// Rays per patch.
@@ -111,7 +141,7 @@ impl FormFactors {
 impl From<Exchange> for FormFactors {
     /// Form factors that come from elsewhere than rays.
     fn from(exchange: Exchange) -> Self {
-        Self { exchange, rays: 0 }
+        Self { exchange, rays: 0, rows: None }
     }
 }
 

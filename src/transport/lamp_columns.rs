@@ -16,7 +16,7 @@ use crate::patches::{Facet, Patches};
 use crate::scene::Side;
 use crate::trace::{Lamps, Tracer, geometry_term, sampling::Sequence};
 
-use super::rays::{BATCHES, RayCount};
+use super::rays::{BATCHES, Recipe};
 
 /// Where streams of random sequences for pairs, and for points under Lambert's formula, start.
 const PAIR_STREAM: u64 = 1 << 41;
@@ -29,8 +29,8 @@ const POINTS: [usize; 2] = [4, 32];
 /// What a batch found of the form factor to a lamp patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LampShare {
-    /// The lamp patch (its slot, while slots are not yet numbered as patches).
-    pub patch: u32,
+    /// The lamp patch's slot.
+    pub slot: u32,
     pub batch: u32,
     /// Part of the form factor from the receiver to the lamp patch; all batches add up to the whole.
     pub share: f32,
@@ -52,21 +52,20 @@ pub(super) fn lamp_shares(
     lamps: &Lamps,
     (slot, facet): (u32, Facet),
     hits: impl Iterator<Item = (u32, u32)>,
-    (count, seed): (RayCount, u64),
+    Recipe { count, seed }: Recipe,
 ) -> Vec<LampShare> {
-    let points: Vec<_> = (0..(EVALUATIONS / lamps.len()).clamp(POINTS[0], POINTS[1]) as u32)
-        .map(|k| {
-            let [s, t, ..] = Sequence::new(seed, POINT_STREAM + slot as u64, 0).point(k);
-            facet.point([s, t])
-        })
-        .collect();
+    let points = (EVALUATIONS / lamps.len()).clamp(POINTS[0], POINTS[1]) as u32;
+    let (sequence, stretch) = Sequence::stretch(seed, POINT_STREAM, slot, 0, points);
+    let in_square = stretch.map(|k| sequence.point(k)).map(|[s, t, ..]| [s, t]);
+    let points: Vec<_> = in_square.map(|square| facet.point(square)).collect();
     let view = lamps.view_from(&points, facet.normal);
     // Draw the pairs, and see which are visible.
     let mut pairs = Vec::with_capacity(count.lamp_rays as usize);
     let (mut bright, mut sum, mut squares) = (0.0, 0.0, 0.0);
     for batch in 0..BATCHES {
-        let sequence = Sequence::new(seed, PAIR_STREAM + slot as u64, batch as u64);
-        for k in 0..count.lamp_rays / BATCHES {
+        let pairs_now = count.lamp_rays / BATCHES;
+        let (sequence, stretch) = Sequence::stretch(seed, PAIR_STREAM, slot, batch as u64, pairs_now);
+        for k in stretch {
             let [s, t, u, v] = sequence.point(k);
             let from = facet.point([s, t]);
             let Some(to) = lamps.sample(&view, [u, v]) else { break };
@@ -106,5 +105,5 @@ fn merge(parts: impl Iterator<Item = (u32, u32, f64)>) -> Vec<LampShare> {
     parts.sort_by_key(|&(slot, batch, _)| (batch, slot));
     let same = |a: &(u32, u32, f64), b: &(u32, u32, f64)| (a.0, a.1) == (b.0, b.1);
     let sum = |run: &[(u32, u32, f64)]| run.iter().map(|part| part.2).sum::<f64>() as f32;
-    parts.chunk_by(same).map(|run| LampShare { patch: run[0].0, batch: run[0].1, share: sum(run) }).collect()
+    parts.chunk_by(same).map(|run| LampShare { slot: run[0].0, batch: run[0].1, share: sum(run) }).collect()
 }

@@ -7,18 +7,23 @@
 mod balance;
 mod exchange;
 mod form_factors;
+mod groups;
 mod lamp_columns;
 mod operator;
 mod plan;
 mod rays;
+mod saved;
 mod solvable;
 
 pub use balance::Closure;
 pub use exchange::{Exchange, Storage, StorageKind};
-pub use form_factors::{FormFactors, TraceOptions};
+pub use form_factors::{FormFactors, Keep, TraceOptions};
+pub use groups::GroupFactor;
 pub use operator::Transport;
 pub use plan::{Effect, Plan};
+pub use saved::{FactorsFileError, Reuse};
 
+use crate::patches::PatchError;
 use crate::progress::Cancelled;
 
 /// Why an operator could not be made.
@@ -57,6 +62,15 @@ pub enum TransportError {
         /// The materials of the closed set of patches that loses nothing.
         materials: Vec<String>,
     },
+    /// The rays are needed and were not kept.
+    #[error("the rays of these form factors were not kept; trace with `Keep::Rays`")]
+    NoRays,
+    /// A file of saved form factors can't be used.
+    #[error(transparent)]
+    File(#[from] FactorsFileError),
+    /// A scene can't be cut as saved form factors ask.
+    #[error(transparent)]
+    Patches(#[from] PatchError),
     /// The observer asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -1,15 +1,19 @@
 //! Rays: the raw material of form factors, where each patch's rays land.
 //!
-//! Every patch sends N cosine-distributed rays; each that lands on j is worth F = 1/N there.
+//! Every patch sends N cosine-distributed rays; each that lands on j is worth F = 1/N there. Rows name slots, not
+//! patches: what was traced once stays good when other lamps or reflectances make other slots into patches.
+
+use std::ops::Range;
 
 use rayon::prelude::*;
 
 use super::lamp_columns::{LampShare, lamp_shares};
 use crate::patches::Patches;
 use crate::progress::{Cancelled, Progress};
+use crate::scene::Side;
 use crate::trace::{Lamps, Tracer, sampling::Sequence};
 
-/// A landing outside of the scene, or on a side that no light reaches.
+/// A landing outside of the scene.
 pub(super) const AWAY: u32 = u32::MAX;
 
 /// Where streams of random sequences for rays start.
@@ -18,42 +22,77 @@ const STREAM: u64 = 0;
 /// Independent scramblings per row, by whose spread the noise of form factors is measured.
 pub(super) const BATCHES: u32 = 8;
 
+/// Rows between two reports of progress.
+const CHUNK: usize = 256;
+
 /// How many rays of each kind a patch sends; multiples of [`BATCHES`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct RayCount {
     pub rays: u32,
     pub lamp_rays: u32,
 }
 
-/// Where the rays of every patch land.
-#[derive(Clone, Debug)]
-pub(super) struct Landings {
+/// How rows are traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Recipe {
     pub count: RayCount,
-    /// n rows of `count.rays` patch numbers, batch after batch.
-    patches: Vec<u32>,
-    /// Per patch: what is known of its form factors to lamps. Lamps themselves know only their rays.
-    lamp_shares: Vec<Vec<LampShare>>,
-    /// Which patches are lamps.
-    pub is_lamp: Vec<bool>,
+    pub seed: u64,
 }
 
-/// A row while slots are not yet numbered as patches.
-struct Row {
-    slot: u32,
-    landings: Vec<u32>,
-    lamp_shares: Vec<LampShare>,
+/// The lamps that light sampling looks for, and their slots.
+struct Goals {
+    lamps: Lamps,
+    /// Ascending, a range per lamp face.
+    slots: Vec<Range<u32>>,
 }
 
-impl Landings {
-    /// Where the rays of a patch land, batch after batch; of lamps seen from elsewhere [`Landings::lamp_shares`] knows more.
-    pub fn row(&self, patch: usize) -> &[u32] {
-        let rays = self.count.rays as usize;
-        &self.patches[patch * rays..(patch + 1) * rays]
+impl Goals {
+    fn new(tracer: &Tracer, patches: &Patches, recipe: Recipe) -> Self {
+        let lamps = Lamps::of_interest(tracer, recipe.count.lamp_rays);
+        let slots = lamps.faces().map(|face| patches.slots_of(face as usize, Side::Front)).collect();
+        Self { lamps, slots }
     }
 
-    /// The form factors from a patch to lamps, in parts.
-    pub fn lamp_shares(&self, patch: usize) -> &[LampShare] {
-        &self.lamp_shares[patch]
+    fn contain(&self, slot: u32) -> bool {
+        let after = self.slots.partition_point(|range| range.end <= slot);
+        self.slots.get(after).is_some_and(|range| range.start <= slot)
+    }
+}
+
+/// What left one slot.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Row {
+    pub slot: u32,
+    /// The slots on which its rays landed, batch after batch; [`AWAY`] for those that left the scene.
+    pub landings: Vec<u32>,
+    /// What is known of its form factors to lamps. Lamps themselves know only their rays.
+    pub lamp_shares: Vec<LampShare>,
+}
+
+/// The rows of all slots that are or were patches, by slot.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Rows {
+    pub recipe: Recipe,
+    /// The faces that light sampling took as lamps.
+    pub lamp_faces: Vec<u32>,
+    rows: Vec<Row>,
+}
+
+impl Rows {
+    /// Puts rows together that were traced before.
+    pub fn new(recipe: Recipe, lamp_faces: Vec<u32>, mut rows: Vec<Row>) -> Self {
+        rows.sort_unstable_by_key(|row| row.slot);
+        Self { recipe, lamp_faces, rows }
+    }
+
+    /// All rows, by slot.
+    pub fn all(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// The row of a slot that has one.
+    pub fn of(&self, slot: u32) -> Option<&Row> {
+        self.rows.binary_search_by_key(&slot, |row| row.slot).ok().map(|k| &self.rows[k])
     }
 
     /// Traces the rays of every patch. A side that light turns out to reach after all becomes a patch, and its rays
@@ -61,86 +100,111 @@ impl Landings {
     pub fn trace(
         tracer: &Tracer,
         patches: &mut Patches,
-        count: RayCount,
-        seed: u64,
+        recipe: Recipe,
         progress: Progress,
     ) -> Result<Self, Cancelled> {
-        /// Rows between two reports of progress.
-        const CHUNK: usize = 256;
-        let lamps = Lamps::new(tracer);
-        let mut rows: Vec<Row> = Vec::new();
-        let mut slots: Vec<u32> = (0..patches.len()).map(|i| patches.slot_of_patch(i)).collect();
-        while !slots.is_empty() {
-            let first = rows.len();
-            for chunk in slots.chunks(CHUNK) {
-                progress.at("trace", rows.len() as f64 / patches.len() as f64)?;
-                let trace = |&slot: &u32| trace_row(tracer, patches, &lamps, slot, count, seed);
-                rows.par_extend(chunk.par_iter().map(trace));
+        let goals = Goals::new(tracer, patches, recipe);
+        let mut rows = Self::new(recipe, goals.lamps.faces().collect(), Vec::new());
+        rows.complete(tracer, patches, &goals, progress)?;
+        Ok(rows)
+    }
+
+    /// Makes rows that are good for other lamps or reflectances good for these: traces what is missing. Answers whether
+    /// anything had to be changed.
+    pub fn adapt(
+        &mut self,
+        tracer: &Tracer,
+        patches: &mut Patches,
+        progress: Progress,
+    ) -> Result<bool, Cancelled> {
+        let goals = Goals::new(tracer, patches, self.recipe);
+        let known = self.rows.len();
+        let same_lamps = goals.lamps.faces().eq(self.lamp_faces.iter().copied());
+        if !same_lamps {
+            self.lamp_faces = goals.lamps.faces().collect();
+            let recipe = self.recipe;
+            for (done, chunk) in self.rows.chunks_mut(CHUNK).enumerate() {
+                progress.at("trace", (done * CHUNK) as f64 / known as f64)?;
+                chunk.par_iter_mut().for_each(|row| look_for_lamps(tracer, patches, &goals, row, recipe));
             }
-            slots = newly_reached(patches, &rows[first..]);
-            patches.activate(&slots);
         }
-        rows.sort_unstable_by_key(|row| row.slot);
-        // Every slot with a row is a patch by now: the rows are in the order of patches.
-        let number =
-            |slot: u32| if slot == AWAY { AWAY } else { patches.patch_of_slot(slot).unwrap_or(AWAY) };
-        let mut landings = vec![AWAY; rows.len() * count.rays as usize];
-        landings.par_chunks_mut(count.rays as usize).zip(&mut rows).for_each(|(to, row)| {
-            to.iter_mut().zip(&row.landings).for_each(|(to, &slot)| *to = number(slot));
-            row.lamp_shares.iter_mut().for_each(|share| share.patch = number(share.patch));
-            row.landings = Vec::new();
-        });
-        let is_lamp = (0..patches.len()).map(|i| {
-            let place = patches.place(i);
-            lamps.contains(place.face, place.side)
-        });
-        let is_lamp = is_lamp.collect();
-        let lamp_shares = rows.into_iter().map(|row| row.lamp_shares).collect();
-        progress.at("trace", 1.0)?;
-        Ok(Self { count, patches: landings, lamp_shares, is_lamp })
+        self.complete(tracer, patches, &goals, progress)?;
+        Ok(!same_lamps || self.rows.len() > known)
+    }
+
+    /// Traces the rows of patches that have none, and of those that these reach, to the end.
+    fn complete(
+        &mut self,
+        tracer: &Tracer,
+        patches: &mut Patches,
+        goals: &Goals,
+        progress: Progress,
+    ) -> Result<(), Cancelled> {
+        // What known rows of bright patches land on is reached too.
+        loop {
+            let has_row = |&slot: &u32| self.of(slot).is_some();
+            let active = (0..patches.len()).map(|i| patches.slot_of_patch(i));
+            let (known, missing): (Vec<u32>, Vec<u32>) = active.partition(has_row);
+            for (done, chunk) in missing.chunks(CHUNK).enumerate() {
+                progress.at("trace", (known.len() + done * CHUNK) as f64 / patches.len() as f64)?;
+                let recipe = self.recipe;
+                let traced = chunk.par_iter().map(|&slot| trace_row(tracer, patches, goals, slot, recipe));
+                self.rows.par_extend(traced);
+            }
+            self.rows.sort_unstable_by_key(|row| row.slot);
+            let reached = newly_reached(patches, self);
+            if reached.is_empty() {
+                break;
+            }
+            patches.activate(&reached);
+        }
+        progress.at("trace", 1.0)
     }
 }
 
 /// Traces what leaves one slot.
-fn trace_row(
-    tracer: &Tracer,
-    patches: &Patches,
-    lamps: &Lamps,
-    slot: u32,
-    count: RayCount,
-    seed: u64,
-) -> Row {
+fn trace_row(tracer: &Tracer, patches: &Patches, goals: &Goals, slot: u32, recipe: Recipe) -> Row {
     let facet = patches.facet(tracer, slot);
-    let mut landings = Vec::with_capacity(count.rays as usize);
+    let mut landings = Vec::with_capacity(recipe.count.rays as usize);
     for batch in 0..BATCHES {
-        let sequence = Sequence::new(seed, STREAM + slot as u64, batch as u64);
-        landings.extend(facet.rays(sequence, 0..count.rays / BATCHES).map(
-            |ray| match tracer.closest_hit(&ray) {
+        let count = recipe.count.rays / BATCHES;
+        let (sequence, points) = Sequence::stretch(recipe.seed, STREAM, slot, batch as u64, count);
+        for ray in facet.rays(sequence, points) {
+            landings.push(match tracer.closest_hit(&ray) {
                 Some(hit) => patches.slot_at(hit.face as usize, hit.side, hit.barycentrics),
                 None => AWAY,
-            },
-        ));
+            });
+        }
     }
-    let is_lamp = |slot: u32| {
-        let place = patches.slot(slot);
-        lamps.contains(place.face, place.side)
-    };
-    let lamp_shares = if lamps.is_empty() || is_lamp(slot) {
+    let mut row = Row { slot, landings, lamp_shares: Vec::new() };
+    look_for_lamps(tracer, patches, goals, &mut row, recipe);
+    row
+}
+
+/// Fills in what a row knows of lamps.
+fn look_for_lamps(tracer: &Tracer, patches: &Patches, goals: &Goals, row: &mut Row, recipe: Recipe) {
+    row.lamp_shares = if goals.slots.is_empty() || goals.contain(row.slot) {
         Vec::new()
     } else {
-        let batch_size = (count.rays / BATCHES) as usize;
-        let hits = landings.iter().enumerate().filter(|&(_, &landing)| landing != AWAY && is_lamp(landing));
-        let hits = hits.map(|(k, &landing)| (landing, (k / batch_size) as u32));
-        lamp_shares(tracer, patches, lamps, (slot, facet), hits, (count, seed))
+        let batch_size = (recipe.count.rays / BATCHES) as usize;
+        let batches = row.landings.chunks(batch_size).zip(0..);
+        let hits =
+            batches.flat_map(|(landings, batch)| landings.iter().map(move |&landing| (landing, batch)));
+        let hits = hits.filter(|&(landing, _)| landing != AWAY && goals.contain(landing));
+        let facet = patches.facet(tracer, row.slot);
+        lamp_shares(tracer, patches, &goals.lamps, (row.slot, facet), hits, recipe)
     };
-    Row { slot, landings, lamp_shares }
 }
 
 /// The slots that are no patches yet and that the rays of patches that send out light landed on.
-fn newly_reached(patches: &Patches, rows: &[Row]) -> Vec<u32> {
-    let bright = rows.iter().filter(|row| patches.is_bright(row.slot));
-    let landings = bright.flat_map(|row| &row.landings).copied();
-    let mut found: Vec<u32> = landings.filter(|&s| s != AWAY && patches.patch_of_slot(s).is_none()).collect();
+fn newly_reached(patches: &Patches, rows: &Rows) -> Vec<u32> {
+    let sends = |row: &&Row| patches.patch_of_slot(row.slot).is_some() && patches.is_bright(row.slot);
+    let bright = rows.rows.par_iter().filter(sends);
+    let mut found: Vec<u32> = bright
+        .flat_map_iter(|row| &row.landings)
+        .copied()
+        .filter(|&s| s != AWAY && patches.patch_of_slot(s).is_none())
+        .collect();
     found.sort_unstable();
     found.dedup();
     found

@@ -2,7 +2,9 @@
 
 mod commands; // what the program writes, prints and answers
 mod files; // what scene files mean, and how bad ones are refused
+mod form_factors; // closed forms, judged by standard errors
 mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, an independent reference
 mod structure; // modules import only from their left
 
+mod scenes; // small scenes, made on the spot
 mod scratch; // a temporary folder for all of them

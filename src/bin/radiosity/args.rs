@@ -55,7 +55,7 @@ impl SceneArgs {
 #[command(next_help_heading = "Accuracy")]
 pub struct AccuracyArgs {
     /// About how many patches (unknowns) to cut into
-    #[arg(long, value_name = "N", default_value_t = 4000, value_parser = positive)]
+    #[arg(long, value_name = "N", default_value_t = 8000, value_parser = positive)]
     patches: usize,
 
     /// Longest leg of a patch, metres; instead of --patches
@@ -87,7 +87,7 @@ impl AccuracyArgs {
             Some(metres) => PatchSize::Edge(metres),
             None => PatchSize::Count(self.patches),
         };
-        Tessellation { size, reach: Reach::Light, seed: run.seed, progress }
+        Tessellation { size, reach: Reach::Light, seed: run.seed, memory: run.memory, progress }
     }
 
     pub fn trace<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> TraceOptions<'a> {
@@ -227,7 +227,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "T", value_parser = positive)]
     threads: Option<usize>,
 
-    /// Memory that the operator, and the factors of the direct solver, may take
+    /// Memory that patches, the operator and the factors of the direct solver may each take
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = memory)]
     pub memory: u64,
 
