@@ -1,13 +1,13 @@
 //! OBJ files: their lines checked, then read by `tobj`; what their keywords mean here is in the README.
 
-use std::collections::HashMap;
 use std::io;
 use std::path::Path;
 
 use glam::DVec3;
 
 use super::lines::Lines;
-use super::{Face, FaceState, Scene, SceneError, SceneParts, mtl, settings};
+use super::mtl::{self, Library};
+use super::{Face, FaceState, Scene, SceneError, SceneParts, settings};
 
 /// Reads `path`, the libraries it names and the `.toml` beside it.
 pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
@@ -46,7 +46,7 @@ pub(super) fn parse(
 
     let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
     let loaded = tobj::load_obj_buf(&mut lines.reader(), &options, |_| {
-        Ok((library.materials.clone(), library.places.clone().into_iter().collect()))
+        Ok((library.materials().to_vec(), library.places().collect()))
     });
     let (models, _) = loaded.map_err(|e| unreadable(path, io::Error::other(e)))?;
 
@@ -54,7 +54,7 @@ pub(super) fn parse(
         name: path.file_stem().map_or("scene".into(), |s| s.to_string_lossy().into_owned()),
         ..Default::default()
     };
-    parts.materials = library.materials.iter().map(|m| mtl::material(m, &mut parts.warnings)).collect();
+    parts.materials = library.materials().iter().map(|m| mtl::material(m, &mut parts.warnings)).collect();
     if !unknown.is_empty() {
         parts.warnings.push(format!("taken as grey 0.5, for no library defines it: {}", unknown.join(", ")));
     }
@@ -65,73 +65,6 @@ pub(super) fn parse(
         settings::apply(path, &toml, &mut parts)?;
     }
     Scene::new(parts)
-}
-
-/// The materials of all libraries, and where each name is to be found.
-#[derive(Default)]
-struct Library {
-    materials: Vec<tobj::Material>,
-    places: HashMap<String, usize>,
-}
-
-impl Library {
-    /// Adds the library, or the libraries, that a line of the OBJ file names.
-    fn read(
-        &mut self,
-        path: &Path,
-        line: usize,
-        names: &str,
-        read: impl Fn(&str) -> io::Result<String>,
-    ) -> Result<(), SceneError> {
-        // A name may hold spaces; only if there is no such file they separate names.
-        let whole = read(names);
-        let several = whole.as_ref().is_err_and(|e| e.kind() == io::ErrorKind::NotFound);
-        let texts: Vec<(&str, io::Result<String>)> = if several && names.contains(char::is_whitespace) {
-            names.split_whitespace().map(|name| (name, read(name))).collect()
-        } else {
-            vec![(names, whole)]
-        };
-        for (name, text) in texts {
-            let text = text.map_err(|source| SceneError::MissingLibrary {
-                path: path.to_path_buf(),
-                line,
-                library: name.to_owned(),
-                source,
-            })?;
-            let path = path.with_file_name(name);
-            let plain = mtl::check(&path, &text)?;
-            let loaded = tobj::load_mtl_buf(&mut plain.as_bytes());
-            for material in loaded.map_err(|e| unreadable(&path, io::Error::other(e)))?.0 {
-                self.add(material);
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds a material; it replaces an earlier one of the same name.
-    fn add(&mut self, material: tobj::Material) {
-        match self.places.get(&material.name) {
-            Some(&place) => self.materials[place] = material,
-            None => {
-                self.places.insert(material.name.clone(), self.materials.len());
-                self.materials.push(material);
-            }
-        }
-    }
-
-    /// Adds a grey material for every name that is not defined; answers those names.
-    fn add_unknown<'a>(&mut self, names: &[&'a str]) -> Vec<&'a str> {
-        let unknown: Vec<&str> =
-            names.iter().copied().filter(|name| !self.places.contains_key(*name)).collect();
-        for name in &unknown {
-            self.add(tobj::Material {
-                name: (*name).to_owned(),
-                diffuse: Some(mtl::GREY),
-                ..Default::default()
-            });
-        }
-        unknown
-    }
 }
 
 /// Adds a model's vertices, normals and triangles.
