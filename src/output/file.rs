@@ -1,15 +1,73 @@
-//! File: a file is replaced whole, or left as it was.
+//! Files: results are replaced whole and together, or left as they were.
 
+use std::ffi::OsString;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
 
 use super::OutputError;
 
-/// Writes what `write` writes to `path`, which changes only once everything is written.
+/// Files of one folder that are about to be replaced.
 ///
-/// The bytes go to a temporary file in the same folder, which then takes the name; no folder is made, no other file
-/// touched. A path that is no ordinary file, such as `/dev/stdout`, is written to directly.
+/// They are written under temporary names in the same folder and take their own names together, with
+/// [`Outputs::commit`]. Without it nothing changes and nothing stays behind. No folder is made, no other file touched.
+#[derive(Debug)]
+pub struct Outputs {
+    folder: PathBuf,
+    files: Vec<(OsString, NamedTempFile)>,
+}
+
+impl Outputs {
+    /// None yet, in this folder.
+    pub fn in_folder(folder: impl Into<PathBuf>) -> Self {
+        Self { folder: folder.into(), files: Vec::new() }
+    }
+
+    /// Adds a file of this name with what `write` writes.
+    ///
+    /// # Errors
+    /// `Write`.
+    pub fn file(
+        &mut self,
+        name: impl Into<OsString>,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), OutputError> {
+        let name = name.into();
+        let path = self.folder.join(&name);
+        let written = || {
+            // A folder of that name would stop the commit halfway.
+            if path.is_dir() {
+                return Err(io::ErrorKind::IsADirectory.into());
+            }
+            let file = temporary_in(&self.folder)?;
+            fill(file.as_file(), write)?;
+            Ok(file)
+        };
+        let file = written().map_err(|source| OutputError::Write { path: path.clone(), source })?;
+        self.files.push((name, file));
+        Ok(())
+    }
+
+    /// Gives all files their names, in the order in which they were added; answers those names.
+    ///
+    /// # Errors
+    /// `Write`.
+    pub fn commit(self) -> Result<Vec<String>, OutputError> {
+        let Self { folder, files } = self;
+        let rename = |(name, file): (OsString, NamedTempFile)| {
+            let path = folder.join(&name);
+            file.persist(&path).map_err(|failed| OutputError::Write { path, source: failed.error })?;
+            Ok(name.to_string_lossy().into_owned())
+        };
+        files.into_iter().map(rename).collect()
+    }
+}
+
+/// Writes what `write` writes to `path`, which changes only once everything is written; see [`Outputs`].
+///
+/// A path that is no ordinary file, such as `/dev/stdout`, is written to directly.
 ///
 /// # Errors
 /// `Write`; an old file of that name is then still there.
@@ -18,17 +76,14 @@ pub fn replace(
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), OutputError> {
     let path = path.as_ref();
-    let special = path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir());
-    let done =
-        if special { File::create(path).and_then(|f| fill(f, write)) } else { rename_over(path, write) };
-    done.map_err(|source| OutputError::Write { path: path.to_owned(), source })
-}
-
-fn rename_over(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    if path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+        let done = File::create(path).and_then(|file| fill(file, write));
+        return done.map_err(|source| OutputError::Write { path: path.to_owned(), source });
+    }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let file = temporary_in(folder)?;
-    fill(file.as_file(), write)?;
-    file.persist(path).map_err(|failed| failed.error)?;
+    let mut outputs = Outputs::in_folder(folder);
+    outputs.file(path.file_name().unwrap_or_default(), write)?;
+    outputs.commit()?;
     Ok(())
 }
 
@@ -38,7 +93,7 @@ fn fill(file: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) 
     writer.flush()
 }
 
-fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".radiosity-");
     // The permissions of any new file: everyone's, less the umask.
@@ -82,6 +137,28 @@ mod tests {
         assert!(failed.unwrap_err().to_string().contains("a.txt: no more"));
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn files_change_together_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("folder")).unwrap();
+        let started = |bytes: &[u8]| {
+            let mut outputs = Outputs::in_folder(folder.path());
+            for name in ["a", "b"] {
+                outputs.file(name, |w| w.write_all(bytes)).unwrap();
+            }
+            outputs
+        };
+        assert_eq!(started(b"old").commit().unwrap(), ["a", "b"]);
+        let mut outputs = started(b"new");
+        outputs.file("c", |_| Err(io::Error::other("no more"))).unwrap_err();
+        outputs.file("folder", |_| Ok(())).unwrap_err();
+        drop(outputs);
+        let mut left = names(folder.path());
+        left.sort();
+        assert_eq!(left, ["a", "b", "folder"]);
+        assert_eq!(["a", "b"].map(|name| fs::read(folder.path().join(name)).unwrap()), [b"old", b"old"]);
     }
 
     #[test]

@@ -37,9 +37,9 @@ pub enum Outlines {
 /// How to render.
 #[derive(Clone, Copy, Debug)]
 pub struct RenderOptions<'a> {
-    /// Pixels across; 1 to 32768, time grows in proportion.
+    /// Pixels across; 1 to 32768, time grows in proportion and memory by 28 bytes a pixel.
     pub width: usize,
-    /// Pixels down; the same.
+    /// Pixels down; the same, and at most 2²⁷ in all.
     pub height: usize,
     /// How radiance varies within a patch.
     pub shading: Shading,
@@ -62,8 +62,24 @@ impl Default for RenderOptions<'_> {
     }
 }
 
-/// Pictures wider or higher than this are refused.
-const LARGEST: usize = 32768;
+impl RenderOptions<'_> {
+    /// Makes sure that the picture is neither empty nor too large.
+    ///
+    /// # Errors
+    /// `Size`.
+    pub fn validate(&self) -> Result<(), OutputError> {
+        let &Self { width, height, .. } = self;
+        let fits = [width, height].iter().all(|length| (1..=LONGEST).contains(length));
+        if fits && width * height <= LARGEST { Ok(()) } else { Err(OutputError::Size { width, height }) }
+    }
+}
+
+/// Pictures wider or higher than this, or of more pixels, are refused.
+const LONGEST: usize = 32768;
+const LARGEST: usize = 1 << 27;
+
+/// About so many pixels are rendered together, as a band of rows; 160 bytes each.
+const BAND: usize = 1 << 19;
 
 /// Samples of every pixel, and of those that need more.
 const FEW: u32 = 4;
@@ -89,53 +105,26 @@ pub fn render(
     camera: &Camera,
     options: &RenderOptions,
 ) -> Result<Picture, OutputError> {
-    let &RenderOptions { width, height, progress, .. } = options;
     assert_eq!(radiance.nrows(), patches.len(), "one row per patch");
-    if !(1..=LARGEST).contains(&width) || !(1..=LARGEST).contains(&height) {
-        return Err(OutputError::Size { width, height });
-    }
+    options.validate()?;
     if !camera.is_valid() {
         return Err(OutputError::Camera);
     }
-    progress.at("render", 0.0)?;
-    let view = View {
-        tracer,
-        patches,
-        lens: Lens::new(tracer, camera, width, height),
-        light: Light::new(tracer, patches, radiance, options.shading),
-        outlines: options.outlines,
-    };
-    let mut pixels = vec![Samples::default(); width * height];
-    // Take a few samples of every pixel.
-    in_rows(&mut pixels, width, progress, [0.0, 0.7], |pixel, x, y| view.sample(pixel, x, y, 0..FEW))?;
-    // Take more where they differ.
-    let rough = rough_pixels(&pixels, width);
-    in_rows(&mut pixels, width, progress, [0.7, 1.0], |pixel, x, y| {
-        if rough[y * width + x] {
-            view.sample(pixel, x, y, FEW..MANY);
-        }
-    })?;
-    let (pixels, lamps) = pixels.iter().map(Samples::mean).unzip();
-    Ok(Picture { width, height, pixels, lamps })
+    options.progress.at("render", 0.0)?;
+    let view = View::new(tracer, patches, radiance, camera, options);
+    Ok(view.picture(options, (BAND / options.width).max(1))?)
 }
 
-/// Calls `work` with every pixel and its place, rows in parallel; `span` is the part of the stage that this is.
+/// Calls `work` with every pixel and its place, and `row_done` after each row; rows in parallel.
 fn in_rows(
     pixels: &mut [Samples],
     width: usize,
-    progress: Progress,
-    [from, to]: [f64; 2],
+    row_done: impl Fn() -> Result<(), Cancelled> + Sync,
     work: impl Fn(&mut Samples, usize, usize) + Sync,
 ) -> Result<(), Cancelled> {
-    let rows = pixels.len() / width;
-    let done = AtomicUsize::new(0);
     pixels.par_chunks_mut(width).enumerate().try_for_each(|(y, row)| {
         row.iter_mut().enumerate().for_each(|(x, pixel)| work(pixel, x, y));
-        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        if done.is_multiple_of(16) || done == rows {
-            progress.at("render", from + (to - from) * done as f64 / rows as f64)?;
-        }
-        Ok(())
+        row_done()
     })
 }
 
@@ -303,7 +292,56 @@ struct View<'a, 's> {
     outlines: Outlines,
 }
 
-impl View<'_, '_> {
+impl<'a, 's> View<'a, 's> {
+    fn new(
+        tracer: &'a Tracer<'s>,
+        patches: &'a Patches<'s>,
+        radiance: &DMatrix<f64>,
+        camera: &Camera,
+        options: &RenderOptions,
+    ) -> Self {
+        Self {
+            tracer,
+            patches,
+            lens: Lens::new(tracer, camera, options.width, options.height),
+            light: Light::new(tracer, patches, radiance, options.shading),
+            outlines: options.outlines,
+        }
+    }
+
+    /// The picture, made in bands of so many rows.
+    fn picture(&self, options: &RenderOptions, rows: usize) -> Result<Picture, Cancelled> {
+        let &RenderOptions { width, height, progress, .. } = options;
+        let (pixels, lamps) = (Vec::with_capacity(width * height), Vec::with_capacity(width * height));
+        let mut picture = Picture { width, height, pixels, lamps };
+        let rows_done = AtomicUsize::new(0);
+        let row_done = || match rows_done.fetch_add(1, Ordering::Relaxed) + 1 {
+            rows if rows % 16 == 0 => progress.at("render", (rows as f64 / (2 * height) as f64).min(1.0)),
+            _ => Ok(()),
+        };
+        for start in (0..height).step_by(rows) {
+            let end = (start + rows).min(height);
+            // Take a few samples of every pixel, and of the rows above and below to compare them with.
+            let (first, last) = (start.saturating_sub(1), (end + 1).min(height));
+            let mut pixels = vec![Samples::default(); width * (last - first)];
+            in_rows(&mut pixels, width, row_done, |pixel, x, y| self.sample(pixel, x, first + y, 0..FEW))?;
+            // Take more where they differ.
+            let rough = rough_pixels(&pixels, width);
+            let band = &mut pixels[width * (start - first)..width * (end - first)];
+            let rough = &rough[width * (start - first)..];
+            in_rows(band, width, row_done, |pixel, x, y| {
+                if rough[y * width + x] {
+                    self.sample(pixel, x, start + y, FEW..MANY);
+                }
+            })?;
+            for (pixel, lamp) in band.iter().map(Samples::mean) {
+                picture.pixels.push(pixel);
+                picture.lamps.push(lamp);
+            }
+        }
+        Ok(picture)
+    }
+
     /// Adds samples `range` of the pixel at (x, y).
     fn sample(&self, pixel: &mut Samples, x: usize, y: usize, range: std::ops::Range<u32>) {
         for k in range {
@@ -432,6 +470,19 @@ mod tests {
     }
 
     #[test]
+    fn bands_leave_no_seam() {
+        let scene = room(Material::lamp("wall", &[0.5], &[1.0]));
+        let tracer = Tracer::new(&scene);
+        let patches = cut(&tracer, 0.3, Reach::Light);
+        let radiance = DMatrix::from_fn(patches.len(), 1, |i, _| (i % 7) as f64);
+        let view = View::new(&tracer, &patches, &radiance, &inside(), &small());
+        let whole = view.picture(&small(), 30).unwrap();
+        for rows in [1, 7, 29] {
+            assert_eq!(view.picture(&small(), rows).unwrap(), whole, "{rows}");
+        }
+    }
+
+    #[test]
     fn outlines_darken_edges_and_only_them() {
         let scene = room(Material::lamp("wall", &[0.5], &[1.0]));
         let tracer = Tracer::new(&scene);
@@ -468,9 +519,11 @@ mod tests {
         let tracer = Tracer::new(&scene);
         let patches = cut(&tracer, 0.5, Reach::Light);
         let sources = patches.sources();
-        let empty = RenderOptions { width: 0, ..small() };
-        let refused = render(&tracer, &patches, &sources, &inside(), &empty);
-        assert!(matches!(refused, Err(OutputError::Size { width: 0, .. })));
+        for (width, height) in [(0, 30), (40, 0), (40_000, 1), (usize::MAX, usize::MAX), (32768, 4097)] {
+            let options = RenderOptions { width, height, ..small() };
+            let refused = render(&tracer, &patches, &sources, &inside(), &options);
+            assert!(matches!(refused, Err(OutputError::Size { .. })), "{width} x {height}");
+        }
         let blind = Camera { fov: 0.0, ..inside() };
         let refused = render(&tracer, &patches, &sources, &blind, &small());
         assert!(matches!(refused, Err(OutputError::Camera)));

@@ -4,13 +4,12 @@
 //! surface. The back of a face comes as triangles of reversed winding.
 
 use std::io::{self, Write};
-use std::path::Path;
 
 use glam::DVec3;
 use nalgebra::DMatrix;
 
 use super::tone::to_rgb;
-use super::{Exposure, OutputError, SmoothField, replace};
+use super::{Exposure, SmoothField};
 use crate::patches::Patches;
 use crate::scene::Side;
 use crate::trace::Tracer;
@@ -21,35 +20,33 @@ const FAR: f64 = 1e4;
 /// Writes the patches with their `radiance` (n × c) as exposed sRGB vertex colours: binary PLY, metres.
 ///
 /// # Errors
-/// `Write`.
+/// Those of `writer`.
 ///
 /// # Panics
 /// If `radiance` has not n rows.
 pub fn write_ply(
-    path: impl AsRef<Path>,
+    writer: &mut dyn Write,
     tracer: &Tracer,
     patches: &Patches,
     radiance: &DMatrix<f64>,
     exposure: Exposure,
-) -> Result<(), OutputError> {
+) -> io::Result<()> {
     let field = SmoothField::new(tracer, patches, radiance);
     let frame = tracer.frame();
     let number =
         if frame.to_world(DVec3::ZERO).length() > FAR * frame.scale() { Number::F64 } else { Number::F32 };
-    replace(path, |writer| {
-        write_header(writer, patches, &field, exposure, number)?;
-        for (point, position) in field.points().iter().enumerate() {
-            number.write(writer, frame.to_world(*position))?;
-            writer.write_all(&exposure.encode(to_rgb(field.value(point as u32))))?;
-        }
-        for patch in 0..patches.len() {
-            let [a, b, c] = field.corners(patch);
-            let corners = if patches.place(patch).side == Side::Front { [a, b, c] } else { [a, c, b] };
-            writer.write_all(&[3])?;
-            corners.iter().try_for_each(|corner| writer.write_all(&corner.to_le_bytes()))?;
-        }
-        Ok(())
-    })
+    write_header(writer, patches, &field, exposure, number)?;
+    for (point, position) in field.points().iter().enumerate() {
+        number.write(writer, frame.to_world(*position))?;
+        writer.write_all(&exposure.encode(to_rgb(field.value(point as u32))))?;
+    }
+    for patch in 0..patches.len() {
+        let [a, b, c] = field.corners(patch);
+        let corners = if patches.place(patch).side == Side::Front { [a, b, c] } else { [a, c, b] };
+        writer.write_all(&[3])?;
+        corners.iter().try_for_each(|corner| writer.write_all(&corner.to_le_bytes()))?;
+    }
+    Ok(())
 }
 
 fn write_header(
@@ -114,11 +111,9 @@ mod tests {
 
     /// Header and body of the mesh of a scene.
     fn written(tracer: &Tracer, patches: &Patches) -> (String, Vec<u8>) {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("mesh.ply");
         let radiance = DMatrix::from_element(patches.len(), 1, 0.5);
-        write_ply(&path, tracer, patches, &radiance, Exposure::default()).unwrap();
-        let bytes = std::fs::read(&path).unwrap();
+        let mut bytes = Vec::new();
+        write_ply(&mut bytes, tracer, patches, &radiance, Exposure::default()).unwrap();
         let end = b"end_header\n";
         let body = bytes.windows(end.len()).position(|window| window == end).unwrap() + end.len();
         (String::from_utf8(bytes[..body].to_vec()).unwrap(), bytes[body..].to_vec())

@@ -1,8 +1,8 @@
 //! Output: pictures and meshes of a solution.
 //!
 //! [`render`] looks at a radiance field through a camera and gives a [`Picture`] of linear radiance; an [`Exposure`]
-//! makes it fit for a screen. [`write_ply`] puts the same colours on the patches themselves. Every file is
-//! written through [`replace`]: whole, or not at all.
+//! makes it fit for a screen. [`write_ply`] puts the same colours on the patches themselves, [`write_faces`] and
+//! [`write_patches`] make tables. [`Outputs`] replaces the files of a run together: all of them whole, or none.
 
 mod file;
 mod image;
@@ -18,7 +18,7 @@ use std::path::PathBuf;
 
 use crate::progress::Cancelled;
 
-pub use self::file::replace;
+pub use self::file::{Outputs, replace};
 pub use self::image::{Outlines, RenderOptions, Shading, render};
 pub use self::mesh::write_ply;
 pub use self::picture::{LampPart, Picture};
@@ -46,7 +46,9 @@ pub enum OutputError {
         source: std::io::Error,
     },
     /// A picture of this size can't be made.
-    #[error("a picture can't be {width} x {height}; both must be at least 1 and at most 32768")]
+    #[error(
+        "a picture can't be {width} x {height}; both must be at least 1 and at most 32768, and pixels at most 2²⁷ in all"
+    )]
     Size {
         /// Pixels across.
         width: usize,

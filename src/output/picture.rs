@@ -1,6 +1,6 @@
 //! Picture: linear radiance per pixel, and the files made of it.
 
-use std::io::{self, Cursor};
+use std::io::{self, Cursor, Write};
 use std::path::Path;
 
 use image::codecs::{openexr::OpenExrEncoder, png};
@@ -82,34 +82,34 @@ impl Picture {
     /// Writes an sRGB PNG, 8 bits a channel.
     ///
     /// # Errors
-    /// `Write`.
-    pub fn save_png(&self, path: impl AsRef<Path>, exposure: Exposure) -> Result<(), OutputError> {
-        let bytes = self.to_srgb(exposure);
-        replace(path, |writer| {
-            let encoder = png::PngEncoder::new_with_quality(
-                writer,
-                png::CompressionType::Fast,
-                png::FilterType::Adaptive,
-            );
-            let (width, height) = self.size_u32();
-            encoder.write_image(&bytes, width, height, ExtendedColorType::Rgb8).map_err(io_error)
-        })
+    /// Those of `writer`.
+    pub fn write_png(&self, writer: &mut dyn Write, exposure: Exposure) -> io::Result<()> {
+        let encoder =
+            png::PngEncoder::new_with_quality(writer, png::CompressionType::Fast, png::FilterType::Adaptive);
+        let (width, height) = self.size_u32();
+        encoder.write_image(&self.to_srgb(exposure), width, height, ExtendedColorType::Rgb8).map_err(io_error)
     }
 
     /// Writes linear radiance (W·sr⁻¹·m⁻²) as OpenEXR, f32.
     ///
     /// # Errors
-    /// `Write`.
-    pub fn save_exr(&self, path: impl AsRef<Path>) -> Result<(), OutputError> {
+    /// Those of `writer`.
+    pub fn write_exr(&self, writer: &mut dyn Write) -> io::Result<()> {
         let bytes: Vec<u8> = self.pixels.iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
-        replace(path, |writer| {
-            // The encoder seeks, which a pipe can't; so it writes to memory first.
-            let mut file = Cursor::new(Vec::new());
-            let (width, height) = self.size_u32();
-            let encoder = OpenExrEncoder::new(&mut file);
-            encoder.write_image(&bytes, width, height, ExtendedColorType::Rgb32F).map_err(io_error)?;
-            writer.write_all(&file.into_inner())
-        })
+        // The encoder seeks, which a pipe can't; so it writes to memory first.
+        let mut file = Cursor::new(Vec::new());
+        let (width, height) = self.size_u32();
+        let encoder = OpenExrEncoder::new(&mut file);
+        encoder.write_image(&bytes, width, height, ExtendedColorType::Rgb32F).map_err(io_error)?;
+        writer.write_all(&file.into_inner())
+    }
+
+    /// Writes an sRGB PNG to `path`, which changes only once everything is written.
+    ///
+    /// # Errors
+    /// `Write`.
+    pub fn save_png(&self, path: impl AsRef<Path>, exposure: Exposure) -> Result<(), OutputError> {
+        replace(path, |writer| self.write_png(writer, exposure))
     }
 
     fn size_u32(&self) -> (u32, u32) {
@@ -135,10 +135,9 @@ mod tests {
 
     #[test]
     fn exr_holds_the_radiance_to_the_last_bit() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.exr");
-        ramp().save_exr(&path).unwrap();
-        let read = image::open(&path).unwrap().into_rgb32f();
+        let mut bytes = Vec::new();
+        ramp().write_exr(&mut bytes).unwrap();
+        let read = image::load_from_memory(&bytes).unwrap().into_rgb32f();
         assert_eq!(read.dimensions(), (4, 3));
         assert!(read.pixels().zip(&ramp().pixels).all(|(read, pixel)| read.0 == *pixel));
     }

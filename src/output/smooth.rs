@@ -304,7 +304,7 @@ mod tests {
     use super::super::tests::{cut, quad, room, triangles};
     use super::*;
     use crate::patches::Reach;
-    use crate::scene::Material;
+    use crate::scene::{Face, Material, Scene, SceneParts};
 
     const CENTRE: Barycentrics = [1.0 / 3.0; 2];
 
@@ -416,5 +416,45 @@ mod tests {
         // Six places, each with a front and a back.
         assert_eq!(smooth.points().len(), 12);
         assert!(smooth.at(0, CENTRE).next().unwrap().is_finite());
+    }
+
+    /// Corner k < 8 of the unit cube.
+    fn cube_corner(k: usize) -> DVec3 {
+        DVec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64)
+    }
+
+    /// Number of points of a cube's smooth field; each of its walls is cut into four by four cells.
+    fn points_of_cube(normals: &[DVec3]) -> usize {
+        let walls = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5u32]];
+        let faces = walls.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        let face = |vertices: [u32; 3]| Face {
+            vertices,
+            normals: (!normals.is_empty()).then_some(vertices),
+            material: 0,
+            object: 0,
+            state: FaceState::Kept,
+        };
+        let scene = Scene::new(SceneParts {
+            vertices: (0..8).map(cube_corner).collect(),
+            normals: normals.to_vec(),
+            faces: faces.map(face).collect(),
+            materials: vec![Material::lamp("wall", &[0.5], &[1.0])],
+            objects: vec!["cube".into()],
+            ..Default::default()
+        });
+        let scene = scene.unwrap();
+        let tracer = Tracer::new(&scene);
+        let patches = cut(&tracer, 0.3, Reach::Light);
+        SmoothField::new(&tracer, &patches, &from_centres(&patches, |p| p.x)).points().len()
+    }
+
+    #[test]
+    fn vertex_normals_round_the_edges_of_a_cube() {
+        let ball: Vec<DVec3> = (0..8).map(|k| cube_corner(k) - 0.5).collect();
+        assert_eq!(points_of_cube(&[]), 6 * 25);
+        assert_eq!(points_of_cube(&ball), 98, "5³ points less the 3³ inside");
+        for senseless in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY] {
+            assert_eq!(points_of_cube(&[senseless; 8]), 6 * 25, "{senseless}");
+        }
     }
 }

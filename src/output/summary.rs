@@ -1,10 +1,10 @@
 //! Summary: `solution.json`, everything a script wants to know of a run.
 
-use std::path::Path;
+use std::io::{self, Write};
 
 use serde::Serialize;
 
-use super::{OutputError, replace, to_rgb};
+use super::to_rgb;
 use crate::measure::Energy;
 use crate::solve::{Report, Series, Solution};
 use crate::transport::{Closure, Effect};
@@ -12,12 +12,10 @@ use crate::transport::{Closure, Effect};
 /// Writes `summary` as JSON.
 ///
 /// # Errors
-/// If the file can't be written.
-pub fn write_summary(path: &Path, summary: &Summary) -> Result<(), OutputError> {
-    replace(path, |file| {
-        serde_json::to_writer_pretty(&mut *file, summary)?;
-        writeln!(file)
-    })
+/// Those of `writer`.
+pub fn write_summary(writer: &mut dyn Write, summary: &Summary) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *writer, summary)?;
+    writeln!(writer)
 }
 
 /// The content of `solution.json`.

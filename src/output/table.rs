@@ -1,11 +1,10 @@
 //! Tables: radiance and irradiance by face and by patch, as CSV.
 
 use std::io::{self, Write};
-use std::path::Path;
 
 use nalgebra::DMatrix;
 
-use super::{OutputError, replace, to_rgb};
+use super::to_rgb;
 use crate::patches::Patches;
 
 /// Columns of radiometric tables after their keys.
@@ -17,16 +16,16 @@ const QUANTITIES: [&str; 6] =
 /// `irradiance` (W·m⁻²) and `radiance` (W·sr⁻¹·m⁻²) are n × c.
 ///
 /// # Errors
-/// If the file can't be written.
+/// Those of `writer`.
 pub fn write_faces(
-    path: &Path,
+    writer: &mut dyn Write,
     patches: &Patches,
     irradiance: &DMatrix<f64>,
     radiance: &DMatrix<f64>,
-) -> Result<(), OutputError> {
+) -> io::Result<()> {
     let scene = patches.scene();
     let rows = patches.average_by_face(irradiance).into_iter().zip(patches.average_by_face(radiance));
-    write(path, &["face", "side", "object", "material", "area"], |table| {
+    write(writer, &["face", "side", "object", "material", "area"], |table| {
         for (h, l) in rows {
             let face = &scene.faces()[h.face];
             let keys = [
@@ -45,15 +44,15 @@ pub fn write_faces(
 /// Writes `patches.csv`: a row per patch, with its centre in metres.
 ///
 /// # Errors
-/// If the file can't be written.
+/// Those of `writer`.
 pub fn write_patches(
-    path: &Path,
+    writer: &mut dyn Write,
     patches: &Patches,
     irradiance: &DMatrix<f64>,
     radiance: &DMatrix<f64>,
-) -> Result<(), OutputError> {
+) -> io::Result<()> {
     let row = |field: &DMatrix<f64>, i: usize| field.row(i).iter().copied().collect::<Vec<f64>>();
-    write(path, &["patch", "face", "side", "cx", "cy", "cz", "area"], |table| {
+    write(writer, &["patch", "face", "side", "cx", "cy", "cz", "area"], |table| {
         for i in 0..patches.len() {
             let (place, centre) = (patches.place(i), patches.centre(i));
             let keys = [
@@ -76,18 +75,14 @@ fn quantities(irradiance: &[f64], radiance: &[f64]) -> impl Iterator<Item = Stri
 }
 
 fn write(
-    path: &Path,
+    writer: &mut dyn Write,
     keys: &[&str],
     rows: impl FnOnce(&mut csv::Writer<&mut dyn Write>) -> csv::Result<()>,
-) -> Result<(), OutputError> {
-    replace(path, |file| {
-        let mut table = csv::Writer::from_writer(file);
-        table
-            .write_record(keys.iter().chain(&QUANTITIES))
-            .and_then(|()| rows(&mut table))
-            .map_err(io::Error::from)?;
-        table.flush()
-    })
+) -> io::Result<()> {
+    let mut table = csv::Writer::from_writer(writer);
+    table.write_record(keys.iter().chain(&QUANTITIES))?;
+    rows(&mut table)?;
+    table.flush()
 }
 
 /// A number with nine significant digits, without trailing zeros.

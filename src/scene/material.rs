@@ -58,6 +58,17 @@ impl Material {
         self.reflectance.iter().any(|&r| r > 0.0)
     }
 
+    /// What is not physical about it, if anything.
+    pub(super) fn check(&self) -> Result<(), String> {
+        if let Some(r) = self.reflectance.iter().find(|r| !(0.0..=1.0).contains(*r)) {
+            return Err(format!("reflectance {r} (Kd in MTL files) must lie between 0 and 1"));
+        }
+        if let Some(e) = self.emission.iter().find(|e| !(e.is_finite() && **e >= 0.0)) {
+            return Err(format!("emission {e} (Ke in MTL files) must be finite and not negative"));
+        }
+        Ok(())
+    }
+
     /// Whether all channels agree.
     pub(super) fn is_grey(&self) -> bool {
         let flat = |v: &[f64]| v.iter().all(|&x| x == v[0]);

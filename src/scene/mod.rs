@@ -6,7 +6,9 @@
 
 mod builtin;
 mod camera;
+mod lines;
 mod material;
+mod mtl;
 mod obj;
 mod settings;
 
@@ -240,7 +242,7 @@ impl Scene {
         &self.vertices
     }
 
-    /// Shading normals; empty where the file gives none.
+    /// Shading normals, of any length; faces that have some refer to them.
     pub fn normals(&self) -> &[DVec3] {
         &self.normals
     }
@@ -324,16 +326,12 @@ fn check_faces(
 fn check_materials(materials: &[Material]) -> Result<usize, SceneError> {
     let channels = materials.first().map_or(1, |m| m.reflectance.len());
     for material in materials {
-        let error = |message: String| Err(SceneError::Material { material: material.name.clone(), message });
+        let error = |message| SceneError::Material { material: material.name.clone(), message };
         if channels == 0 || material.reflectance.len() != channels || material.emission.len() != channels {
-            return error(format!("every reflectance and emission must have {} channels", channels.max(1)));
+            let message = format!("every reflectance and emission must have {} channels", channels.max(1));
+            return Err(error(message));
         }
-        if let Some(r) = material.reflectance.iter().find(|r| !(0.0..=1.0).contains(*r)) {
-            return error(format!("reflectance {r} must lie between 0 and 1 (Kd in the MTL file)"));
-        }
-        if let Some(e) = material.emission.iter().find(|e| !(e.is_finite() && **e >= 0.0)) {
-            return error(format!("emission {e} must be finite and not negative (Ke in the MTL file)"));
-        }
+        material.check().map_err(error)?;
     }
     Ok(channels)
 }

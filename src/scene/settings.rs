@@ -5,20 +5,20 @@ use std::path::Path;
 
 use glam::DVec3;
 use serde::Deserialize;
+use toml::Spanned;
 
 use super::{Camera, SceneError, SceneParts};
 
 /// The content of a scene's `.toml`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Settings {
-    /// Metres per unit of length of the OBJ file and of the camera.
-    #[serde(default = "metre")]
-    unit: f64,
-    camera: Option<CameraSettings>,
+struct Settings {
+    /// Metres per unit of length of the OBJ file and of the camera; 1 if not given.
+    unit: Option<Spanned<f64>>,
+    camera: Option<Spanned<CameraSettings>>,
     /// What to change of the MTL file's materials, by name.
     #[serde(default)]
-    material: BTreeMap<String, MaterialSettings>,
+    material: BTreeMap<String, Spanned<MaterialSettings>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -56,10 +56,6 @@ impl Colour {
     }
 }
 
-fn metre() -> f64 {
-    1.0
-}
-
 fn y_up() -> [f64; 3] {
     [0.0, 1.0, 0.0]
 }
@@ -68,47 +64,44 @@ fn normal_lens() -> f64 {
     45.0
 }
 
-impl Settings {
-    pub(super) fn parse(path: &Path, text: &str) -> Result<Self, SceneError> {
-        let settings: Self = toml::from_str(text).map_err(|e| {
-            let before = e.span().map_or("", |span| &text[..span.start.min(text.len())]);
-            SceneError::Parse {
-                path: path.to_path_buf(),
-                line: before.matches('\n').count() + 1,
-                message: e.message().to_owned(),
-            }
-        })?;
-        if !(settings.unit.is_finite() && settings.unit > 0.0) {
-            let message = format!("unit = {}: metres per unit must be positive", settings.unit);
-            let line = 1 + text.lines().position(|line| line.trim_start().starts_with("unit")).unwrap_or(0);
-            return Err(SceneError::Parse { path: path.to_path_buf(), line, message });
-        }
-        Ok(settings)
+/// Changes the parts of a scene as the settings say; `path` is for messages.
+pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(), SceneError> {
+    let error = |start: usize, message: String| {
+        let line = 1 + text.bytes().take(start).filter(|&byte| byte == b'\n').count();
+        SceneError::Parse { path: path.to_path_buf(), line, message }
+    };
+    let settings: Settings = toml::from_str(text)
+        .map_err(|e| error(e.span().map_or(0, |span| span.start), e.message().to_owned()))?;
+    let unit = settings.unit.as_ref().map_or(1.0, |unit| *unit.get_ref());
+    if let Some(given) = settings.unit.filter(|_| !(unit.is_finite() && unit > 0.0)) {
+        let message = format!("unit = {unit}: metres per unit must be positive");
+        return Err(error(given.span().start, message));
     }
-
-    /// Changes the parts of a scene as the settings say.
-    pub(super) fn apply(self, parts: &mut SceneParts) -> Result<(), SceneError> {
-        for vertex in &mut parts.vertices {
-            *vertex *= self.unit;
-        }
-        parts.camera = self.camera.map(|c| Camera {
-            position: DVec3::from(c.position) * self.unit,
-            target: DVec3::from(c.target) * self.unit,
-            up: DVec3::from(c.up),
-            fov: c.fov,
-        });
-        for (name, change) in self.material {
-            let Some(material) = parts.materials.iter_mut().find(|m| m.name == name) else {
-                let message = "the .toml file changes it, but no face or library has it".into();
-                return Err(SceneError::Material { material: name, message });
-            };
-            if let Some(reflectance) = change.reflectance {
-                material.reflectance = reflectance.channels();
-            }
-            if let Some(emission) = change.emission {
-                material.emission = emission.channels();
-            }
-        }
-        Ok(())
+    for vertex in &mut parts.vertices {
+        *vertex *= unit;
     }
+    if let Some(given) = settings.camera {
+        let CameraSettings { position, target, up, fov } = *given.get_ref();
+        let [position, target] = [position, target].map(|point| DVec3::from(point) * unit);
+        let camera = Camera { position, target, up: up.into(), fov };
+        if !camera.is_valid() {
+            return Err(error(given.span().start, SceneError::Camera.to_string()));
+        }
+        parts.camera = Some(camera);
+    }
+    for (name, given) in settings.material {
+        let wrong = |message: String| error(given.span().start, format!("material {name}: {message}"));
+        let Some(material) = parts.materials.iter_mut().find(|m| m.name == name) else {
+            return Err(wrong("no face or library has it; remove it or correct its name".into()));
+        };
+        let MaterialSettings { reflectance, emission } = given.get_ref();
+        if let Some(reflectance) = reflectance {
+            material.reflectance = reflectance.channels();
+        }
+        if let Some(emission) = emission {
+            material.emission = emission.channels();
+        }
+        material.check().map_err(wrong)?;
+    }
+    Ok(())
 }

@@ -372,6 +372,34 @@ fn render_and_solve_make_the_same_picture() {
     assert!(rendered.is_some() && rendered == solved);
 }
 
+#[test]
+fn vertex_normals_smooth_the_picture_and_change_no_table() {
+    let camera = "[camera]\nposition = [0.9, 0.5, 0.5]\ntarget = [0.0, 0.0, 0.0]\n";
+    let normals =
+        "vn 1 1 1\nvn 1 -1 1\nvn 1 -1 -1\nvn 1 1 -1\nvn -1 1 -1\nvn -1 -1 -1\nvn -1 -1 1\nvn -1 1 1\n";
+    let smooth: String = CUBE
+        .lines()
+        .map(|line| match line.strip_prefix("f ") {
+            Some(corners) => {
+                let corners: String = corners.split(' ').map(|k| format!(" {k}//{k}")).collect();
+                format!("f{corners}\n")
+            }
+            None => format!("{line}\n"),
+        })
+        .collect();
+    let [flat, round] = [CUBE.to_owned(), smooth].map(|text| {
+        let scratch = Scratch::with(&[
+            ("cube.obj", format!("{normals}{text}")),
+            ("cube.mtl", "newmtl wall\nKd 0.5\nKe 1\nnewmtl last\nKd 0\n".to_owned()),
+            ("cube.toml", camera.to_owned()),
+        ]);
+        done(scratch.folder(), "solve cube.obj -o .");
+        content(scratch.folder())
+    });
+    assert!(flat["image.png"] != round["image.png"] && flat["mesh.ply"] != round["mesh.ply"]);
+    assert!(flat["patches.csv"] == round["patches.csv"] && flat["faces.csv"] == round["faces.csv"]);
+}
+
 // What the program prints.
 
 #[test]
@@ -491,12 +519,16 @@ fn a_file_in_the_way_of_the_folder_is_an_error() {
 }
 
 #[test]
-fn a_folder_in_the_way_of_a_file_is_an_error_and_leaves_no_temporary_file() {
-    let scratch = Scratch::new();
-    fs::create_dir(scratch.path("faces.csv")).unwrap();
-    let message = refused(scratch.folder(), "solve -o . --patches 50 --rays 8 --size 4x4", 1);
-    assert!(message.contains("cannot write") && message.contains("faces.csv"), "{message}");
-    assert!(names(scratch.folder()).iter().all(|name| RESULTS.contains(&name.as_str())));
+fn a_result_that_cannot_be_written_leaves_all_others_as_they_were() {
+    for blocked in RESULTS {
+        let scratch = Scratch::with(&RESULTS.map(|name| (name, "old")));
+        fs::remove_file(scratch.path(blocked)).unwrap();
+        fs::create_dir(scratch.path(blocked)).unwrap();
+        let message = refused(scratch.folder(), "solve -o . --patches 50 --rays 8 --size 4x4", 1);
+        assert!(message.contains("cannot write") && message.contains(blocked), "{message}");
+        assert_eq!(names(scratch.folder()), RESULTS, "no temporary file is left");
+        assert!(content(scratch.folder()).values().all(|bytes| bytes == b"old"), "{blocked}");
+    }
 }
 
 // Exit status.
@@ -559,7 +591,7 @@ fn failure_is_status_1_and_one_clear_message() {
         ("solve settings.obj", ["settings.toml:2", "colour"]),
         ("solve --rays 4", ["4 rays", "between 8 and"]),
         ("solve --rays 4294967295", ["4294967295 rays", "between 8 and"]),
-        ("solve --memory 1kB", ["bytes", "--memory"]),
+        ("solve --memory 1kB", ["25 that fit", "more --memory"]),
         ("solve --size 40000x40000 --patches 50 --rays 8", ["40000 x 40000", "at most"]),
     ] {
         let message = refused(scratch.folder(), arguments, 1);

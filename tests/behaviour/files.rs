@@ -153,6 +153,37 @@ fn colours_of_vertices_do_not_matter() {
 }
 
 #[test]
+fn a_weight_divides_its_vertex() {
+    let scene = loaded(&[("a.obj", "v 0 0 0 1\nv 2 0 0 2\nv 0 0.5 0 0.5\nf 1 2 3\n")]);
+    assert_eq!(scene.corners(0), [DVec3::ZERO, DVec3::X, DVec3::Y]);
+}
+
+#[test]
+fn comments_may_stand_behind_numbers() {
+    let scene = loaded(&[("a.obj", "v 0 0 0 # origin\nv 1 0 0\t#x\nv 0 1 0\nf 1 2 3 # the only one\n")]);
+    assert_eq!(scene.corners(0), [DVec3::ZERO, DVec3::X, DVec3::Y]);
+}
+
+#[test]
+fn faces_may_come_before_their_vertices() {
+    let scene = loaded(&[("a.obj", format!("o one\nf 1 2 3\no two\n{CORNERS}f -1 -2 -3\n"))]);
+    assert_eq!(scene.corners(0), [DVec3::ZERO, DVec3::X, DVec3::Y]);
+    assert_eq!(scene.corners(1), [DVec3::Y, DVec3::X, DVec3::ZERO]);
+}
+
+#[test]
+fn a_face_has_normals_only_if_all_its_corners_have_one_that_makes_sense() {
+    let normals = "vn 0 0 1\nvn 0 0 0\nvn nan 0 1\nvn inf 0 1\n";
+    let faces =
+        "f 1//1 2//1 3//-4\nf 1 2 3\nf 1//1 2//1 3\nf 1//1 2//2 3//1\nf 1//1 2//1 3//3\nf 1//4 2//1 3//1\n";
+    let scene = loaded(&obj(&format!("{normals}{faces}")));
+    let smooth: Vec<bool> = scene.faces().iter().map(|face| face.normals.is_some()).collect();
+    assert_eq!(smooth, [true, false, false, false, false, false]);
+    let given = scene.faces()[0].normals.expect("the first face has normals");
+    assert_eq!(given.map(|n| scene.normals()[n as usize]), [DVec3::Z; 3]);
+}
+
+#[test]
 fn refuses_face_corners_that_do_not_exist() {
     for vertex in ["4", "-4", "0", "99999999999999"] {
         let message = refusal(&obj(&format!("# a face\n\nf 1 2 {vertex}\nf 1 2 3\n")));
@@ -256,6 +287,25 @@ fn refuses_a_missing_library_by_name_and_line() {
 }
 
 #[test]
+fn several_libraries_make_one() {
+    let faces = "usemtl m\nf 1 2 3\nusemtl n\nf 1 2 4\n";
+    for lines in ["mtllib a.mtl b.mtl\n", "mtllib a.mtl\nmtllib b.mtl\n", "mtllib  a.mtl\t b.mtl\n"] {
+        let text = format!("{lines}{CORNERS}v 0 0 1\n{faces}");
+        let scene = loaded(&[
+            ("a.obj", text.as_str()),
+            ("a.mtl", "newmtl n\nKd 0.9\nnewmtl m\nKd 0.25\n"),
+            ("b.mtl", "Kd 0.1\nnewmtl n\nKd 0.75\n"),
+        ]);
+        let reflectance = |face: usize| scene.material_of(face).reflectance[0];
+        assert_eq!((reflectance(0), reflectance(1)), (0.25, 0.75), "the later definition counts: {lines:?}");
+        assert_eq!((scene.materials().len(), scene.warnings().len()), (2, 0), "{lines:?}");
+    }
+    let message =
+        refusal(&[("a.obj", format!("mtllib a.mtl b.mtl\n{CORNERS}f 1 2 3\n")), ("a.mtl", LAMP.into())]);
+    says(&message, &["a.obj:1: ", "library b.mtl"]);
+}
+
+#[test]
 fn refuses_reflectance_outside_0_to_1() {
     for (kd, blame) in
         [("1.2 0.5 0.5", "1.2"), ("0.5 -0.1 0.5", "-0.1"), ("0.5 0.5 nan", "NaN"), ("inf", "inf")]
@@ -335,7 +385,11 @@ fn faces_without_a_known_material_are_grey_with_one_warning() {
         let ghosts =
             ["ghost", "other ghost"].into_iter().filter(|ghost| text.contains(&format!("usemtl {ghost}\n")));
         says(&scene.warnings()[0], &ghosts.collect::<Vec<_>>());
-        assert!((0..scene.faces().len()).all(|face| scene.material_of(face).reflectance == [0.5]));
+        for face in 0..scene.faces().len() {
+            let material = scene.material_of(face);
+            assert_eq!(material.reflectance, [0.5]);
+            assert!(scene.warnings()[0].contains(&material.name), "{:?}", scene.warnings());
+        }
     }
 }
 
@@ -512,24 +566,27 @@ fn refuses_a_camera_that_sees_nothing() {
         "position = [1.0, 2.0, 3.0]\ntarget = [0.0, 0.0, 0.0]\nfov = 180.0",
         "position = [1.0, 2.0, nan]\ntarget = [0.0, 0.0, 0.0]",
     ] {
-        let files = toml(&format!("[camera]\n{camera}\n"));
-        assert!(matches!(load(&files), Err(SceneError::Camera)), "{camera}");
+        let message = refusal(&toml(&format!("unit = 2.0\n[camera]\n{camera}\n")));
         says(
-            &refusal(&files),
-            &["camera", "position and target must differ", "fov must lie between 0 and 180"],
+            &message,
+            &["a.toml:2: camera", "position and target must differ", "fov must lie between 0 and 180"],
         );
     }
 }
 
 #[test]
 fn refuses_changes_to_a_material_that_does_not_exist() {
-    says(&refusal(&toml("[material.ghost]\nreflectance = 0.5\n")), &["material ghost", ".toml"]);
+    says(
+        &refusal(&toml("\n[material.ghost]\nreflectance = 0.5\n")),
+        &["a.toml:2: ", "material ghost", "no face"],
+    );
 }
 
 #[test]
 fn settings_are_held_to_the_same_physics() {
-    says(&refusal(&toml("[material.m]\nreflectance = 1.5\n")), &["material m", "reflectance 1.5"]);
-    says(&refusal(&toml("[material.m]\nemission = [1.0, -2.0, 0.0]\n")), &["material m", "emission -2"]);
+    let bad = |line: &str| refusal(&toml(&format!("[material.m]\n{line}\n")));
+    says(&bad("reflectance = 1.5"), &["a.toml:1: ", "material m", "reflectance 1.5"]);
+    says(&bad("emission = [1.0, -2.0, 0.0]"), &["a.toml:1: ", "material m", "emission -2"]);
 }
 
 #[test]
@@ -551,6 +608,16 @@ fn settings_change_what_they_name_and_nothing_else() {
     assert_eq!((&m.reflectance[..], &m.emission[..]), (&[0.1, 0.2, 0.3][..], &[1.0; 3][..]));
     assert_eq!((&n.reflectance[..], &n.emission[..]), (&[0.3; 3][..], &[7.0; 3][..]));
     assert_eq!((scene.channels(), scene.camera()), (3, None));
+}
+
+#[test]
+fn settings_may_define_what_no_library_does() {
+    let text = format!("{CORNERS}f 1 2 3\nv 0 0 1\nusemtl ghost\nf 1 2 4\n");
+    let settings = "[material.ghost]\nreflectance = 0.25\n[material.\"(none)\"]\nemission = 2\n";
+    let scene = loaded(&[("a.obj", text.as_str()), ("a.toml", settings)]);
+    let names: Vec<&str> = (0..2).map(|face| scene.material_of(face).name.as_str()).collect();
+    assert_eq!(names, ["(none)", "ghost"]);
+    assert_eq!((scene.material_of(0).emission[0], scene.material_of(1).reflectance[0]), (2.0, 0.25));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use radiosity::output::{self, Exposure, Outlines, OutputError, Picture, RenderOptions, Shading};
+use radiosity::output::{self, Exposure, Outlines, OutputError, Outputs, Picture, RenderOptions, Shading};
 use radiosity::patches::{PatchSize, Patches, Reach, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Camera, Scene, SceneError};
@@ -35,13 +35,18 @@ impl SceneArgs {
         }
     }
 
-    /// The folder for the results, made if it is not there.
-    pub fn folder(&self, scene: &Scene) -> Result<PathBuf, Failure> {
-        let folder = self.out.clone().unwrap_or_else(|| Path::new("out").join(scene.name()));
+    /// Where the results go.
+    pub fn folder(&self, scene: &Scene) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| Path::new("out").join(scene.name()))
+    }
+
+    /// Results to be written to a folder, which is made if it is not there.
+    pub fn outputs(&self, scene: &Scene) -> Result<Outputs, Failure> {
+        let folder = self.folder(scene);
         std::fs::create_dir_all(&folder).map_err(|e| {
             format!("cannot make the folder {}: {e}; choose another with --out", folder.display())
         })?;
-        Ok(folder)
+        Ok(Outputs::in_folder(folder))
     }
 }
 
@@ -93,12 +98,11 @@ impl AccuracyArgs {
         };
         TraceOptions {
             rays: self.rays,
-            lamp_rays: None,
-            keep: Default::default(),
             seed: run.seed,
             storage,
             memory: run.memory,
             progress,
+            ..Default::default()
         }
     }
 }
@@ -107,7 +111,7 @@ impl AccuracyArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Solver")]
 pub struct SolverArgs {
-    /// Solver; auto is direct where it takes a second or two, else cg
+    /// How to solve for the light; the Neumann series is summed in any case
     #[arg(long, value_enum, default_value_t = SolverArg::Auto)]
     solver: SolverArg,
 
@@ -116,12 +120,13 @@ pub struct SolverArgs {
     pub order: usize,
 
     /// Relative residual ‖E − (I − K)L‖∞ / ‖E‖∞ at which iterations stop; 0 runs the series up to --order
-    #[arg(long, value_name = "T", default_value_t = 1e-6, value_parser = tolerance)]
+    #[arg(long, value_name = "T", default_value = "1e-6", value_parser = tolerance)]
     pub tolerance: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 enum SolverArg {
+    /// Direct where that takes a second or two, else conjugate gradients
     Auto,
     /// Cholesky factors
     Direct,
@@ -179,13 +184,16 @@ enum ShadingArg {
 }
 
 impl PictureArgs {
-    pub fn options<'a>(&self, progress: Progress<'a>) -> RenderOptions<'a> {
+    /// Refuses an impossible size before any work is done.
+    pub fn options<'a>(&self, progress: Progress<'a>) -> Result<RenderOptions<'a>, OutputError> {
         let shading = match self.shading {
             ShadingArg::Flat => Shading::Flat,
             ShadingArg::Smooth => Shading::Smooth,
         };
         let outlines = if self.outlines { Outlines::Shown } else { Outlines::Hidden };
-        RenderOptions { width: self.size.0, height: self.size.1, shading, outlines, progress }
+        let options = RenderOptions { width: self.size.0, height: self.size.1, shading, outlines, progress };
+        options.validate()?;
+        Ok(options)
     }
 
     /// The scene's own camera, or one that sees into it.
@@ -197,14 +205,13 @@ impl PictureArgs {
         self.exposure.map_or_else(|| picture.exposure(), |factor| Exposure { factor })
     }
 
-    /// Writes `image.png`, and `image.exr` if wanted; answers the names of the files.
-    pub fn save(&self, picture: &Picture, folder: &Path) -> Result<Vec<&'static str>, OutputError> {
-        picture.save_png(folder.join("image.png"), self.exposure(picture))?;
-        if !self.exr {
-            return Ok(vec!["image.png"]);
+    /// Adds `image.png`, and `image.exr` if wanted.
+    pub fn write(&self, picture: &Picture, outputs: &mut Outputs) -> Result<(), OutputError> {
+        outputs.file("image.png", |file| picture.write_png(file, self.exposure(picture)))?;
+        if self.exr {
+            outputs.file("image.exr", |file| picture.write_exr(file))?;
         }
-        picture.save_exr(folder.join("image.exr"))?;
-        Ok(vec!["image.png", "image.exr"])
+        Ok(())
     }
 }
 
@@ -220,7 +227,7 @@ pub struct RunArgs {
     #[arg(long, value_name = "T", value_parser = positive)]
     threads: Option<usize>,
 
-    /// Memory that the operator, and the factors of the direct solver, may take
+    /// Memory that patches, the operator and the factors of the direct solver may each take
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = memory)]
     pub memory: u64,
 
@@ -276,5 +283,6 @@ fn memory(text: &str) -> Result<u64, String> {
         _ => return Err("write it as 4GiB or 500MB".into()),
     };
     let number: f64 = digits.parse().map_err(|_| "write it as 4GiB or 500MB")?;
-    Ok((number.max(0.0) * unit as f64) as u64)
+    let bytes = number * unit as f64;
+    if bytes >= 0.0 { Ok(bytes as u64) } else { Err("must not be negative".into()) }
 }

@@ -26,8 +26,13 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Solve a scene: tables, a coloured mesh and a picture
+    ///
+    /// Writes solution.json (what was done, energy, residuals and bounds), faces.csv and patches.csv (irradiance in W/m²,
+    /// radiance in W/sr/m²), mesh.ply and image.png; all of them, or none.
     Solve(solve::Args),
     /// Make a picture of a scene
+    ///
+    /// Solves it as solve does, and writes image.png only.
     Render(render::Args),
 }
 
@@ -46,7 +51,7 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            terminal.complain(format_args!("error: {error}"));
             ExitCode::FAILURE
         }
     }

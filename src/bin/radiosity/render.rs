@@ -25,6 +25,7 @@ pub struct Args {
 
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
+    let look = args.picture.options(progress)?;
     progress.at("load", 0.0)?;
     let scene = args.scene.load()?;
     scene.require_light()?;
@@ -36,17 +37,18 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let k = Transport::of(&factors, &patches)?;
     let solution = solve::solve(&k, &patches.sources(), &args.solver.options(&args.run, progress))?;
     let camera = args.picture.camera(&tracer, &patches);
-    let picture =
-        output::render(&tracer, &patches, &solution.radiance, &camera, &args.picture.options(progress))?;
+    let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
     progress.at("write", 0.0)?;
-    let folder = args.scene.folder(&scene)?;
-    let files = args.picture.save(&picture, &folder)?;
+    let mut outputs = args.scene.outputs(&scene)?;
+    args.picture.write(&picture, &mut outputs)?;
+    let files = outputs.commit()?;
     let stages = terminal.stages();
     if args.run.json {
         let summary = serde_json::json!({ "scene": scene.name(), "files": files, "stages": stages });
-        println!("{}", serde_json::to_string_pretty(&summary)?);
+        terminal.print(serde_json::to_string_pretty(&summary)?)?;
     }
     let seconds: f64 = stages.iter().map(|s| s.seconds).sum();
-    terminal.say(format_args!("wrote {} to {} in {seconds:.2} s", files.join(", "), folder.display()));
+    let folder = args.scene.folder(&scene);
+    terminal.say(format_args!("wrote {} to {} in {seconds:.2} s", files.join(", "), folder.display()))?;
     Ok(())
 }

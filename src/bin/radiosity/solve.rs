@@ -26,6 +26,7 @@ pub struct Args {
 
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
+    let look = args.picture.options(progress)?;
     progress.at("load", 0.0)?;
     let scene = args.scene.load()?;
     scene.require_light()?;
@@ -45,16 +46,15 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let series = solve::neumann(&k, &sources, &NeumannOptions { order, tolerance, progress })?;
 
     let camera = args.picture.camera(&tracer, &patches);
-    let picture =
-        output::render(&tracer, &patches, &solution.radiance, &camera, &args.picture.options(progress))?;
+    let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
     progress.at("write", 0.0)?;
-    let folder = args.scene.folder(&scene)?;
-    let mut files = vec!["solution.json", "faces.csv", "patches.csv", "mesh.ply"];
-    output::write_faces(&folder.join("faces.csv"), &patches, &solution.irradiance, &solution.radiance)?;
-    output::write_patches(&folder.join("patches.csv"), &patches, &solution.irradiance, &solution.radiance)?;
     let exposure = args.picture.exposure(&picture);
-    output::write_ply(folder.join("mesh.ply"), &tracer, &patches, &solution.radiance, exposure)?;
-    files.extend(args.picture.save(&picture, &folder)?);
+    let (irradiance, radiance) = (&solution.irradiance, &solution.radiance);
+    let mut outputs = args.scene.outputs(&scene)?;
+    outputs.file("faces.csv", |file| output::write_faces(file, &patches, irradiance, radiance))?;
+    outputs.file("patches.csv", |file| output::write_patches(file, &patches, irradiance, radiance))?;
+    outputs.file("mesh.ply", |file| output::write_ply(file, &tracer, &patches, radiance, exposure))?;
+    args.picture.write(&picture, &mut outputs)?;
 
     let area_unit = tracer.frame().scale().powi(2);
     let energy = Energy::new(&k, &sources, &solution.radiance, area_unit);
@@ -76,58 +76,59 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         error: None,
         warnings: scene.warnings().to_vec(),
     };
-    output::write_summary(&folder.join("solution.json"), &summary)?;
+    outputs.file("solution.json", |file| output::write_summary(file, &summary))?;
+    let files = outputs.commit()?;
     if args.run.json {
-        println!("{}", serde_json::to_string_pretty(&summary)?);
+        terminal.print(serde_json::to_string_pretty(&summary)?)?;
     }
-    report(&summary, scene.faces().len(), factors.exchange().bytes(), terminal);
-    terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()));
+    terminal.say(report(&summary, scene.faces().len(), factors.exchange().bytes()))?;
+    let folder = args.scene.folder(&scene);
+    terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()))?;
     Ok(())
 }
 
-fn report(summary: &Summary, faces: usize, bytes: u64, terminal: &Terminal) {
+/// What the user wants to know, in a dozen lines.
+fn report(summary: &Summary, faces: usize, bytes: u64) -> String {
     let Summary { solver, series, energy, closure, .. } = summary;
-    let say = |line: std::fmt::Arguments| terminal.say(line);
     let channels =
         if summary.channels == 1 { "one channel".into() } else { format!("{} channels", summary.channels) };
-    say(format_args!("{}: {faces} faces, {} patches, {channels}\n", summary.scene, summary.patches));
-    say(format_args!(
-        "form factors  {} rays a patch, {} {}; rows close to {:.0e}, from {:.0e} before balancing",
-        summary.rays,
-        megabytes(bytes),
-        summary.storage,
-        closure.after,
-        closure.before
-    ));
-    say(format_args!(
-        "solver        {}: residual {:.0e}, error at most {:.0e} of the brightest patch, condition at most {:.3}",
-        solver.name, solver.residual, solver.bound, solver.condition
-    ));
-    say(format_args!(
-        "series        order {}: residual {:.0e}, error at most {:.0e}; {:.0e} from {}",
-        series.order, series.residual, series.bound, series.difference, solver.name
-    ));
-    say(format_args!(
-        "energy        emitted {} W, absorbed {} W, escaped {} W; imbalance {:.0e}\n",
-        triple(energy.emitted),
-        triple(energy.absorbed),
-        triple(energy.escaped),
-        energy.imbalance
-    ));
-    say(format_args!("  order  flux it adds (W)            residual  error at most"));
-    let last = series.order;
-    for bounce in series.bounces.iter().filter(|b| b.order <= 5 || b.order % 10 == 0 || b.order == last) {
+    let mut lines = vec![
+        format!("{}: {faces} faces, {} patches, {channels}\n", summary.scene, summary.patches),
+        format!(
+            "form factors  {} rays a patch, {:.1} MB {}; rows close to {:.0e}, from {:.0e} before balancing",
+            summary.rays,
+            bytes as f64 / 1e6,
+            summary.storage,
+            closure.after,
+            closure.before
+        ),
+        format!(
+            "solver        {}: residual {:.0e}, error at most {:.0e} of the brightest patch, condition at most {:.3}",
+            solver.name, solver.residual, solver.bound, solver.condition
+        ),
+        format!(
+            "series        order {}: residual {:.0e}, error at most {:.0e}; {:.0e} from {}",
+            series.order, series.residual, series.bound, series.difference, solver.name
+        ),
+        format!(
+            "energy        emitted {} W, absorbed {} W, escaped {} W; imbalance {:.0e}\n",
+            triple(energy.emitted),
+            triple(energy.absorbed),
+            triple(energy.escaped),
+            energy.imbalance
+        ),
+        "  order  flux it adds (W)            residual  error at most".to_owned(),
+    ];
+    let told = |order: usize| order <= 5 || order.is_multiple_of(10) || order == series.order;
+    lines.extend(series.bounces.iter().filter(|bounce| told(bounce.order)).map(|bounce| {
         let flux = triple(bounce.flux);
-        say(format_args!("  {:>5}  {flux:26}   {:.1e}  {:.1e}", bounce.order, bounce.residual, bounce.bound));
-    }
-    let total: f64 = summary.stages.iter().map(|s| s.seconds).sum();
-    let stages: Vec<String> = summary
-        .stages
-        .iter()
-        .filter(|s| s.seconds >= 0.005)
-        .map(|s| format!("{} {:.2}", s.name, s.seconds))
-        .collect();
-    say(format_args!("\n{total:.2} s on {} threads: {}", summary.threads, stages.join(", ")));
+        format!("  {:>5}  {flux:26}   {:.1e}  {:.1e}", bounce.order, bounce.residual, bounce.bound)
+    }));
+    let seconds: f64 = summary.stages.iter().map(|stage| stage.seconds).sum();
+    let long = summary.stages.iter().filter(|stage| stage.seconds >= 0.005);
+    let stages: Vec<String> = long.map(|stage| format!("{} {:.2}", stage.name, stage.seconds)).collect();
+    lines.push(format!("\n{seconds:.2} s on {} threads: {}", summary.threads, stages.join(", ")));
+    lines.join("\n")
 }
 
 /// Three numbers, or one where all are the same.
@@ -142,8 +143,4 @@ fn short(x: f64) -> String {
         -3..=5 => format!("{x:.*}", (3 - magnitude).max(0) as usize),
         _ => format!("{x:.3e}"),
     }
-}
-
-fn megabytes(bytes: u64) -> String {
-    format!("{:.1} MB", bytes as f64 / 1e6)
 }

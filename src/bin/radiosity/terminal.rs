@@ -1,7 +1,7 @@
 //! Terminal: what the user sees while and after the library works. An [`Observer`] that draws progress, keeps the time
 //! of every stage, and passes Ctrl-C on.
 
-use std::io::IsTerminal;
+use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -59,20 +59,31 @@ impl Terminal {
         Progress::to(self)
     }
 
-    /// Prints a line of results.
-    pub fn say(&self, line: impl std::fmt::Display) {
-        if self.prints {
-            self.clear();
-            println!("{line}");
+    /// Prints lines of results, unless --quiet or --json is given.
+    pub fn say(&self, lines: impl std::fmt::Display) -> Result<(), Failure> {
+        if self.prints { self.print(lines) } else { Ok(()) }
+    }
+
+    /// Prints to standard output; that a reader has gone away is no error.
+    pub fn print(&self, lines: impl std::fmt::Display) -> Result<(), Failure> {
+        self.clear();
+        match writeln!(io::stdout().lock(), "{lines}") {
+            Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(format!("cannot print: {e}").into()),
+            _ => Ok(()),
         }
     }
 
     /// Prints a warning; only --quiet silences it.
     pub fn warn(&self, line: impl std::fmt::Display) {
         if self.warns {
-            self.clear();
-            eprintln!("warning: {line}");
+            self.complain(format_args!("warning: {line}"));
         }
+    }
+
+    /// Prints to standard error; where that fails there is no one left to tell.
+    pub fn complain(&self, line: impl std::fmt::Display) {
+        self.clear();
+        let _ = writeln!(io::stderr().lock(), "{line}");
     }
 
     /// Tells what reading a scene brought to light, and what it asks for and does not get.

@@ -1,0 +1,149 @@
+//! Material libraries: MTL files, every line checked once, read by `tobj`; what their keywords mean here is in the README.
+
+use std::collections::HashMap;
+use std::io;
+use std::path::Path;
+
+use super::lines::{numbers, split};
+use super::{Material, SceneError, Surface};
+
+/// Reflectance of a material that is not defined, or without Kd.
+const GREY: [f64; 3] = [0.5; 3];
+
+/// The materials of all libraries, and where each name is to be found.
+#[derive(Default)]
+pub(super) struct Library {
+    materials: Vec<tobj::Material>,
+    places: HashMap<String, usize>,
+}
+
+impl Library {
+    /// All materials.
+    pub fn materials(&self) -> &[tobj::Material] {
+        &self.materials
+    }
+
+    /// Every name, with its place among the materials.
+    pub fn places(&self) -> impl Iterator<Item = (String, usize)> {
+        self.places.iter().map(|(name, &place)| (name.clone(), place))
+    }
+
+    /// Adds the library, or the libraries, that a line of the OBJ file names.
+    pub fn read(
+        &mut self,
+        path: &Path,
+        line: usize,
+        names: &str,
+        read: impl Fn(&str) -> io::Result<String>,
+    ) -> Result<(), SceneError> {
+        // A name may hold spaces; only if there is no such file they separate names.
+        let whole = read(names);
+        let several = whole.as_ref().is_err_and(|e| e.kind() == io::ErrorKind::NotFound);
+        let texts: Vec<(&str, io::Result<String>)> = if several && names.contains(char::is_whitespace) {
+            names.split_whitespace().map(|name| (name, read(name))).collect()
+        } else {
+            vec![(names, whole)]
+        };
+        for (name, text) in texts {
+            let text = text.map_err(|source| SceneError::MissingLibrary {
+                path: path.to_path_buf(),
+                line,
+                library: name.to_owned(),
+                source,
+            })?;
+            let path = path.with_file_name(name);
+            let plain = plain(&path, &text)?;
+            let loaded = tobj::load_mtl_buf(&mut plain.as_bytes());
+            let loaded = loaded.map_err(|e| SceneError::Read { path, source: io::Error::other(e) })?;
+            loaded.0.into_iter().for_each(|material| self.add(material));
+        }
+        Ok(())
+    }
+
+    /// Adds a material; it replaces an earlier one of the same name.
+    fn add(&mut self, material: tobj::Material) {
+        match self.places.get(&material.name) {
+            Some(&place) => self.materials[place] = material,
+            None => {
+                self.places.insert(material.name.clone(), self.materials.len());
+                self.materials.push(material);
+            }
+        }
+    }
+
+    /// Adds a grey material for every name that is not defined; answers those names.
+    pub fn add_unknown<'a>(&mut self, names: &[&'a str]) -> Vec<&'a str> {
+        let unknown: Vec<&str> =
+            names.iter().copied().filter(|name| !self.places.contains_key(*name)).collect();
+        for name in &unknown {
+            self.add(tobj::Material { name: (*name).to_owned(), diffuse: Some(GREY), ..Default::default() });
+        }
+        unknown
+    }
+}
+
+/// Checks a library and puts it in the form that `tobj` reads: colours of three numbers, no line before a name.
+fn plain(path: &Path, text: &str) -> Result<String, SceneError> {
+    let mut plain = String::with_capacity(text.len());
+    for (number, line) in (1..).zip(text.lines()) {
+        let (key, rest) = split(line);
+        if plain.is_empty() && key != "newmtl" {
+            continue;
+        }
+        let rest = value(key, rest).map_err(|message| SceneError::Parse {
+            path: path.to_path_buf(),
+            line: number,
+            message,
+        })?;
+        plain.extend([key, " ", &rest, "\n"]);
+    }
+    Ok(plain)
+}
+
+/// What follows a key, spelled out.
+fn value(key: &str, rest: &str) -> Result<String, String> {
+    match key {
+        "Ka" | "Kd" | "Ks" | "Ke" => match numbers(rest).as_deref() {
+            Some(&[grey]) => Ok(format!("{grey:e} {grey:e} {grey:e}")),
+            Some([r, g, b]) => Ok(format!("{r:e} {g:e} {b:e}")),
+            _ => Err(format!("{key} must be followed by one or three numbers")),
+        },
+        "Ns" | "Ni" | "d" => match numbers(rest).as_deref() {
+            Some([number, ..]) => Ok(format!("{number:e}")),
+            _ => Err(format!("{key} must be followed by a number")),
+        },
+        "illum" => match rest.split_whitespace().next().and_then(|word| word.parse::<u8>().ok()) {
+            Some(model) => Ok(model.to_string()),
+            None => Err("illum must be followed by the number of a model, 0 to 10".into()),
+        },
+        "newmtl" if rest.is_empty() => Err("newmtl without a name".into()),
+        "bump" if rest.is_empty() => Err("bump must be followed by the name of a file".into()),
+        map if map.starts_with("map_") && rest.is_empty() => {
+            Err(format!("{map} must be followed by the name of a file"))
+        }
+        _ => Ok(rest.to_owned()),
+    }
+}
+
+/// What an entry means.
+pub(super) fn material(m: &tobj::Material, warnings: &mut Vec<String>) -> Material {
+    let has = |key: &str| m.unknown_param.contains_key(key);
+    let surface = match m.illumination_model {
+        Some(3) => Surface::Mirror,
+        Some(4 | 6 | 7 | 9) => Surface::Dielectric,
+        Some(5) => Surface::Glossy,
+        _ if has("Pr") || has("Pm") => Surface::Glossy,
+        _ => Surface::Diffuse,
+    };
+    if m.diffuse.is_none() && surface == Surface::Diffuse {
+        warnings.push(format!("material {} has no Kd: taken as grey 0.5", m.name));
+    }
+    let kd = m.diffuse.unwrap_or(if surface == Surface::Diffuse { GREY } else { [0.0; 3] });
+    Material {
+        name: m.name.clone(),
+        reflectance: kd.to_vec(),
+        emission: m.emissive.unwrap_or([0.0; 3]).to_vec(),
+        surface,
+        textured: m.diffuse_texture.is_some() || has("map_Ke"),
+    }
+}
