@@ -6,6 +6,7 @@ use nalgebra::DMatrix;
 
 use super::to_rgb;
 use crate::patches::Patches;
+use crate::solve::Solution;
 
 /// Columns of radiometric tables after their keys.
 const QUANTITIES: [&str; 6] =
@@ -23,22 +24,48 @@ pub fn write_faces(
     irradiance: &DMatrix<f64>,
     radiance: &DMatrix<f64>,
 ) -> io::Result<()> {
-    let scene = patches.scene();
-    let rows = patches.average_by_face(irradiance).into_iter().zip(patches.average_by_face(radiance));
-    write(writer, &["face", "side", "object", "material", "area"], |table| {
-        for (h, l) in rows {
-            let face = &scene.faces()[h.face];
-            let keys = [
-                h.face.to_string(),
-                h.side.name().to_owned(),
-                scene.objects()[face.object as usize].clone(),
-                scene.material_of(h.face).name.clone(),
-                digits(h.area),
-            ];
-            table.write_record(keys.into_iter().chain(quantities(&h.mean, &l.mean)))?;
-        }
-        Ok(())
+    write(writer, &FACE_KEYS, |table| write_face_rows(table, patches, None, (irradiance, radiance)))
+}
+
+/// Writes `lamp_groups.csv`: the rows of `faces.csv` for each group of lamps by itself, with the group's name in front.
+///
+/// # Errors
+/// Those of `writer`.
+pub fn write_lamp_groups(
+    writer: &mut dyn Write,
+    patches: &Patches,
+    groups: &[(&str, &Solution)],
+) -> io::Result<()> {
+    let keys: Vec<&str> = std::iter::once("lamps").chain(FACE_KEYS).collect();
+    write(writer, &keys, |table| {
+        groups.iter().try_for_each(|&(name, solution)| {
+            write_face_rows(table, patches, Some(name), (&solution.irradiance, &solution.radiance))
+        })
     })
+}
+
+const FACE_KEYS: [&str; 5] = ["face", "side", "object", "material", "area"];
+
+fn write_face_rows(
+    table: &mut csv::Writer<&mut dyn Write>,
+    patches: &Patches,
+    group: Option<&str>,
+    (irradiance, radiance): (&DMatrix<f64>, &DMatrix<f64>),
+) -> csv::Result<()> {
+    let scene = patches.scene();
+    for (h, l) in patches.average_by_face(irradiance).into_iter().zip(patches.average_by_face(radiance)) {
+        let face = &scene.faces()[h.face];
+        let keys = [
+            h.face.to_string(),
+            h.side.name().to_owned(),
+            scene.objects()[face.object as usize].clone(),
+            scene.material_of(h.face).name.clone(),
+            digits(h.area),
+        ];
+        let row = group.map(str::to_owned).into_iter().chain(keys).chain(quantities(&h.mean, &l.mean));
+        table.write_record(row)?;
+    }
+    Ok(())
 }
 
 /// Writes `patches.csv`: a row per patch, with its centre in metres.
@@ -87,12 +114,17 @@ fn write(
 
 /// A number with nine significant digits, without trailing zeros.
 fn digits(x: f64) -> String {
-    let rounded: f64 = format!("{x:.8e}").parse().unwrap_or(x);
-    if rounded != 0.0 && !(1e-4..1e9).contains(&rounded.abs()) {
-        format!("{rounded:e}")
-    } else {
-        format!("{rounded}")
+    if x == 0.0 {
+        return "0".into();
     }
+    let magnitude = x.abs().log10().floor();
+    if !(-4.0..9.0).contains(&magnitude) {
+        let text = format!("{x:.8e}");
+        let (number, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        return format!("{}e{exponent}", number.trim_end_matches('0').trim_end_matches('.'));
+    }
+    let text = format!("{x:.*}", (8 - magnitude as i32).max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 #[cfg(test)]

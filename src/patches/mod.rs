@@ -367,6 +367,20 @@ impl<'s> Patches<'s> {
         })
     }
 
+    /// Emitted radiance of each material's lamps by themselves; the sum over materials is [`Patches::sources`].
+    pub fn sources_by_material(&self) -> Vec<LampGroup> {
+        let all = self.sources();
+        let material_of = |i: usize| self.scene.faces()[self.place(i).face].material as usize;
+        let of_patch: Vec<usize> = (0..self.len()).map(material_of).collect();
+        let emitting = (0..self.scene.materials().len()).filter(|&m| self.scene.materials()[m].emits());
+        let group = |m: usize| {
+            let only = |i: usize, c: usize| if of_patch[i] == m { all[(i, c)] } else { 0.0 };
+            let sources = DMatrix::from_fn(all.nrows(), all.ncols(), only);
+            LampGroup { material: self.scene.materials()[m].name.clone(), sources }
+        };
+        emitting.map(group).filter(|group| group.sources.amax() > 0.0).collect()
+    }
+
     /// A slot's place in the normalised frame.
     pub(crate) fn facet(&self, tracer: &Tracer, slot: u32) -> Facet {
         let Slot { face, side, cell } = self.slot(slot);
@@ -374,6 +388,15 @@ impl<'s> Patches<'s> {
         let corners = self.cuts.corners(face, cell).map(|[u, v]| p + (q - p) * u + (r - p) * v);
         Facet { face: face as u32, corners, normal: tracer.normal(face, side) }
     }
+}
+
+/// The lamps of one material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LampGroup {
+    /// The material's name.
+    pub material: String,
+    /// Emitted radiance Lₑ of these lamps alone, n × c, W·sr⁻¹·m⁻².
+    pub sources: DMatrix<f64>,
 }
 
 /// One side of a cell: a triangle that sees.

@@ -28,6 +28,15 @@ impl Amplification {
         Ok(Self::from_rough(k, w))
     }
 
+    /// What is known already, or a new bound.
+    pub(super) fn known_or_new(
+        known: Option<&Self>,
+        k: &Transport,
+        options: &CgOptions,
+    ) -> Result<Self, SolveError> {
+        known.map_or_else(|| Self::new(k, options), |known| Ok(known.clone()))
+    }
+
     /// Bounds from a rough ŵ (n × c).
     pub(super) fn from_rough(k: &Transport, mut w: DMatrix<f64>) -> Self {
         let ones = DMatrix::repeat(k.len(), k.channels(), 1.0);

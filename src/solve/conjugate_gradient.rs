@@ -16,6 +16,8 @@ pub struct CgOptions<'a> {
     pub tolerance: f64,
     /// The most passes over the matrix.
     pub iterations: usize,
+    /// What [`Amplification::new`] says of the operator, where that is known already.
+    pub amplification: Option<&'a Amplification>,
     /// Where to report progress, as stage `solve`.
     pub progress: Progress<'a>,
 }
@@ -23,7 +25,7 @@ pub struct CgOptions<'a> {
 impl Default for CgOptions<'_> {
     /// A residual of 10⁻⁶ within 5000 passes.
     fn default() -> Self {
-        Self { tolerance: 1e-6, iterations: 5000, progress: Progress::default() }
+        Self { tolerance: 1e-6, iterations: 5000, amplification: None, progress: Progress::default() }
     }
 }
 
@@ -39,7 +41,7 @@ pub fn conjugate_gradients(
     e: &DMatrix<f64>,
     options: &CgOptions,
 ) -> Result<Solution, SolveError> {
-    let amplification = Amplification::new(k, options)?;
+    let amplification = Amplification::known_or_new(options.amplification, k, options)?;
     let (radiance, iterations) = iterate(k, e, options)?;
     let solution = finish(k, e, &radiance, ("cg", iterations), &amplification);
     options.progress.at("solve", 1.0)?;

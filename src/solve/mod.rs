@@ -21,7 +21,7 @@ pub use direct::{Direct, DirectOptions, direct};
 pub use neumann::{Bounce, NeumannOptions, Series, neumann};
 
 use crate::progress::{Cancelled, Progress};
-use crate::transport::Transport;
+use crate::transport::{Transport, readable};
 
 /// Radiance and irradiance of every patch, and how good they are.
 #[derive(Clone)]
@@ -62,7 +62,8 @@ pub struct Report {
 pub enum SolveError {
     /// The matrix of the direct solver would not fit.
     #[error(
-        "factoring {n} patches directly takes {needed} bytes, more than the {limit} allowed; raise --memory, or use --solver cg"
+        "factoring {n} patches directly takes {}, more than the {} allowed; raise --memory, or use --solver cg",
+        readable(*needed), readable(*limit)
     )]
     Memory {
         /// Number of patches.
@@ -121,6 +122,8 @@ pub struct SolveOptions<'a> {
     pub order: usize,
     /// The most bytes the direct solver's factors may take.
     pub memory: u64,
+    /// What [`Amplification::new`] says of the operator, where that is known already.
+    pub amplification: Option<&'a Amplification>,
     /// Where to report progress.
     pub progress: Progress<'a>,
 }
@@ -129,7 +132,14 @@ impl Default for SolveOptions<'_> {
     /// The automatic choice, a residual of 10⁻⁶, order 1000, 4 GiB.
     fn default() -> Self {
         let (NeumannOptions { order, tolerance, .. }, DirectOptions { memory, .. }) = Default::default();
-        Self { method: Method::Auto, tolerance, order, memory, progress: Progress::default() }
+        Self {
+            method: Method::Auto,
+            tolerance,
+            order,
+            memory,
+            amplification: None,
+            progress: Progress::default(),
+        }
     }
 }
 
@@ -141,16 +151,33 @@ impl Default for SolveOptions<'_> {
 /// # Panics
 /// If `e` is not n × c.
 pub fn solve(k: &Transport, e: &DMatrix<f64>, options: &SolveOptions) -> Result<Solution, SolveError> {
-    let &SolveOptions { tolerance, order, memory, progress, .. } = options;
-    let cg = || conjugate_gradients(k, e, &CgOptions { tolerance, progress, ..Default::default() });
+    solve_all(k, &[e], options).map(|mut solutions| solutions.remove(0))
+}
+
+/// Solves L = E + K L for several right-hand sides; the direct solver factors once for all.
+///
+/// # Errors
+/// As the solver's own.
+///
+/// # Panics
+/// If some right-hand side is not n × c.
+pub fn solve_all(
+    k: &Transport,
+    right_hand_sides: &[&DMatrix<f64>],
+    options: &SolveOptions,
+) -> Result<Vec<Solution>, SolveError> {
+    let &SolveOptions { tolerance, order, memory, amplification, progress, .. } = options;
+    let all = right_hand_sides.iter();
+    let cg = CgOptions { tolerance, amplification, progress, ..Default::default() };
+    let series = NeumannOptions { order, tolerance, amplification, progress };
     match options.method {
-        Method::Neumann => Ok(neumann(k, e, &NeumannOptions { order, tolerance, progress })?.solution),
-        Method::Auto if !direct::is_quick(k, memory) => cg(),
-        Method::ConjugateGradients => cg(),
+        Method::Neumann => all.map(|e| Ok(neumann(k, e, &series)?.solution)).collect(),
+        Method::Auto if !direct::is_quick(k, memory) => all.map(|e| conjugate_gradients(k, e, &cg)).collect(),
+        Method::ConjugateGradients => all.map(|e| conjugate_gradients(k, e, &cg)).collect(),
         Method::Auto | Method::Direct => {
             let factored = direct(k, &DirectOptions { memory, progress })?;
             progress.at("solve", 0.0)?;
-            Ok(factored.solve(e))
+            Ok(all.map(|e| factored.solve(e)).collect())
         }
     }
 }

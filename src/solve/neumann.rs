@@ -15,6 +15,8 @@ pub struct NeumannOptions<'a> {
     pub order: usize,
     /// Relative residual ‖E − (I − K)L‖∞ / ‖E‖∞ at which it ends before, from order 1 on; 0 for an exact number of orders.
     pub tolerance: f64,
+    /// What [`Amplification::new`] says of the operator, where that is known already.
+    pub amplification: Option<&'a Amplification>,
     /// Where to report progress, as stage `series`.
     pub progress: Progress<'a>,
 }
@@ -22,7 +24,7 @@ pub struct NeumannOptions<'a> {
 impl Default for NeumannOptions<'_> {
     /// A residual of 10⁻⁶, order 1000 at most.
     fn default() -> Self {
-        Self { order: 1000, tolerance: 1e-6, progress: Progress::default() }
+        Self { order: 1000, tolerance: 1e-6, amplification: None, progress: Progress::default() }
     }
 }
 
@@ -66,7 +68,7 @@ impl Series {
 /// If `e` is not n × c.
 pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Result<Series, SolveError> {
     assert_eq!(e.shape(), (k.len(), k.channels()), "the right-hand side is n × c");
-    let amplification = Amplification::new(k, &CgOptions::default())?;
+    let amplification = Amplification::known_or_new(options.amplification, k, &CgOptions::default())?;
     let norm = k.norm();
     let flux = |l: &DMatrix<f64>| l.column_iter().map(|column| PI * k.mass().dot(&column)).collect();
     let mut radiance = e.clone();

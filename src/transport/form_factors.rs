@@ -60,6 +60,32 @@ impl TraceOptions<'_> {
         self.lamp_rays.unwrap_or(rays / 2).min(most).next_multiple_of(BATCHES)
     }
 
+    /// Refuses what can't be done with so many patches, before any time is spent on it.
+    ///
+    /// # Errors
+    /// `Rays` or `Memory`.
+    pub fn check(&self, patches: usize) -> Result<(), TransportError> {
+        let rays = self.rays.unwrap_or(Self::usual_rays(patches));
+        let most = BATCHES * sampling::SEQUENCE_END;
+        if !(BATCHES..=most).contains(&rays) {
+            return Err(TransportError::Rays { rays, most });
+        }
+        let (n, rays) = (patches as u64, rays as u64);
+        // Landings, 4 bytes each twice over while they are sorted; at most two entries of 8 bytes a landing while a
+        // sparse matrix is put together.
+        let (dense, sparse) = (4 * n * n, 16 * n * rays.min(n));
+        let matrix = match self.storage {
+            StorageKind::Dense => dense,
+            StorageKind::Sparse => sparse,
+            StorageKind::Auto => dense.min(sparse),
+        };
+        let needed = matrix + 8 * n * rays;
+        if needed > self.memory {
+            return Err(TransportError::Memory { patches, needed, limit: self.memory });
+        }
+        Ok(())
+    }
+
     /// Rays per patch where none are asked for: 512, and fewer from 8192 patches on, but never less than 64, for a face that is
     /// cut into many patches averages their noise.
     pub fn usual_rays(patches: usize) -> u32 {
@@ -87,17 +113,12 @@ impl FormFactors {
         patches: &mut Patches,
         options: &TraceOptions,
     ) -> Result<Self, TransportError> {
-        let most = BATCHES * sampling::SEQUENCE_END;
-        let rays = options.rays.unwrap_or(TraceOptions::usual_rays(patches.len()));
-        if !(BATCHES..=most).contains(&rays) {
-            return Err(TransportError::Rays { rays, most });
-        }
         if patches.is_empty() {
             return Err(TransportError::Dark);
         }
-        let rays = rays.next_multiple_of(BATCHES);
+        options.check(patches.len())?;
+        let rays = options.rays.unwrap_or(TraceOptions::usual_rays(patches.len())).next_multiple_of(BATCHES);
         options.progress.at("trace", 0.0)?;
-        check_memory(patches.len() as u64, rays as u64, options)?;
         let recipe =
             Recipe { count: RayCount { rays, lamp_rays: options.lamp_rays_for(rays) }, seed: options.seed };
         let rows = Rows::trace(tracer, patches, recipe, options.progress)?;
@@ -143,21 +164,4 @@ impl From<Exchange> for FormFactors {
     fn from(exchange: Exchange) -> Self {
         Self { exchange, rays: 0, rows: None }
     }
-}
-
-/// Refuses what would not fit, before any time is spent on it.
-fn check_memory(n: u64, rays: u64, options: &TraceOptions) -> Result<(), TransportError> {
-    // Landings, 4 bytes each twice over while they are sorted; at most two entries of 8 bytes a landing while a
-    // sparse matrix is put together.
-    let (dense, sparse) = (4 * n * n, 16 * n * rays.min(n));
-    let matrix = match options.storage {
-        StorageKind::Dense => dense,
-        StorageKind::Sparse => sparse,
-        StorageKind::Auto => dense.min(sparse),
-    };
-    let needed = matrix + 8 * n * rays;
-    if needed > options.memory {
-        return Err(TransportError::Memory { what: "the form factors", needed, limit: options.memory });
-    }
-    Ok(())
 }

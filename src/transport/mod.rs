@@ -13,6 +13,7 @@ mod operator;
 mod plan;
 mod rays;
 mod saved;
+mod sections;
 mod solvable;
 
 pub use balance::Closure;
@@ -43,11 +44,12 @@ pub enum TransportError {
     Dark,
     /// The matrix would not fit.
     #[error(
-        "{what} would take {needed} bytes, more than the {limit} allowed; raise --memory, or use fewer patches or rays"
+        "form factors for {patches} patches would take {}, more than the {} allowed; raise --memory, or use fewer --patches or --rays",
+        readable(*needed), readable(*limit)
     )]
     Memory {
-        /// What it is that does not fit.
-        what: &'static str,
+        /// The number of patches.
+        patches: usize,
         /// Bytes needed.
         needed: u64,
         /// Bytes allowed.
@@ -74,4 +76,12 @@ pub enum TransportError {
     /// The observer asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+/// A number of bytes, for people.
+pub(crate) fn readable(bytes: u64) -> String {
+    const UNITS: [(f64, &str); 4] = [(1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
+    let bytes = bytes as f64;
+    let unit = UNITS.into_iter().find(|(size, _)| bytes >= *size);
+    unit.map_or(format!("{bytes} bytes"), |(size, name)| format!("{:.1} {name}", bytes / size))
 }

@@ -1,12 +1,12 @@
 //! Saved form factors: a file that spares tracing and balancing anew.
 //!
 //! It holds the rows of rays, the balanced exchange areas, and what they are tied to: a hash of the geometry, the cut, and which
-//! faces could send out light. Reflectances and emissions are not part of it. Numbers are little-endian; the file ends with
-//! a checksum of all before.
+//! faces could send out light. Reflectances and emissions are not part of it. Numbers are little-endian. There are two sections,
+//! each with its length in front and its checksum behind: the exchange areas, which are always read, and the rows, which are
+//! read only when something must be traced or balanced anew.
 
-use std::io::{self, Write};
+use std::io::{self, Read, Seek, Write};
 
-use bytemuck::Pod;
 use nalgebra::{DMatrix, DVector};
 use sprs::CsMatI;
 use xxhash_rust::xxh3::{Xxh3, xxh3_64};
@@ -14,6 +14,7 @@ use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 use super::exchange::{Exchange, Storage};
 use super::lamp_columns::LampShare;
 use super::rays::{RayCount, Recipe, Row, Rows};
+use super::sections::{Content, Section, ends_with_section, read_section};
 use super::{Closure, FormFactors, Keep, StorageKind, TransportError};
 use crate::patches::{Patches, Tessellation};
 use crate::scene::{FaceState, Scene};
@@ -40,11 +41,23 @@ pub enum FactorsFileError {
     /// Some of it is missing or altered.
     #[error("the file is damaged: it is cut off or its checksum does not match; save the form factors anew")]
     Damaged,
+    /// It can't be read.
+    #[error("the file cannot be read: {0}")]
+    Unreadable(String),
     /// It belongs to another scene.
     #[error(
         "the file belongs to other geometry: vertices or faces differ from the scene's; save the form factors anew"
     )]
     OtherScene,
+}
+
+impl From<io::Error> for FactorsFileError {
+    fn from(error: io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::UnexpectedEof => Self::Damaged,
+            _ => Self::Unreadable(error.to_string()),
+        }
+    }
 }
 
 /// How much of a file could be used.
@@ -66,55 +79,36 @@ impl FormFactors {
     pub fn save(&self, patches: &Patches, to: &mut dyn Write) -> io::Result<()> {
         let rows =
             self.rows().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, TransportError::NoRays))?;
-        let mut file = Writer { to, hash: Xxh3::new() };
-        file.all(MAGIC)?;
-        file.one(VERSION)?;
-        file.one(geometry_hash(patches.scene()))?;
-        file.one(light_hash(patches.scene()))?;
-        file.one(patches.normalised_edge())?;
-        file.one(rows.recipe.seed)?;
-        file.all(&[rows.recipe.count.rays, rows.recipe.count.lamp_rays])?;
-        file.list(&rows.lamp_faces)?;
-        // The rows, one property after another.
-        let all = rows.all();
-        file.list(&all.iter().map(|row| row.slot).collect::<Vec<_>>())?;
-        let landings: usize = all.iter().map(|row| row.landings.len()).sum();
-        let shares: usize = all.iter().map(|row| row.lamp_shares.len()).sum();
-        file.one((4 * (landings + all.len() + 3 * shares)) as u64)?;
-        all.iter().try_for_each(|row| file.all(&row.landings))?;
-        file.all(&all.iter().map(|row| row.lamp_shares.len() as u32).collect::<Vec<_>>())?;
-        for row in all {
-            file.all(
-                &row.lamp_shares
-                    .iter()
-                    .map(|s| (s.slot, s.batch))
-                    .flat_map(|(a, b)| [a, b])
-                    .collect::<Vec<_>>(),
-            )?;
-            file.all(&row.lamp_shares.iter().map(|s| s.share).collect::<Vec<_>>())?;
-        }
-        // Which slots are patches, and their exchange areas.
-        file.list(&(0..patches.len()).map(|i| patches.slot_of_patch(i)).collect::<Vec<_>>())?;
+        to.write_all(MAGIC)?;
+        to.write_all(&VERSION.to_le_bytes())?;
+        let mut section = Section::default();
+        section.some(&[geometry_hash(patches.scene()), light_hash(patches.scene())]);
+        section.one(patches.normalised_edge());
+        section.one(rows.recipe.seed);
+        section.some(&[rows.recipe.count.rays, rows.recipe.count.lamp_rays]);
+        section.list(&rows.lamp_faces);
+        section.one(rows.all().len() as u64);
+        section.list(&(0..patches.len()).map(|i| patches.slot_of_patch(i)).collect::<Vec<_>>());
         let (storage, scale) = self.exchange().raw();
         match storage {
             Storage::Dense(m) => {
-                file.one(0u32)?;
-                file.list(m.as_slice())?;
+                section.one(DENSE);
+                section.list(m.as_slice());
             }
             Storage::Sparse(m) => {
-                file.one(1u32)?;
-                file.list(&m.proper_indptr().iter().map(|&start| start as u64).collect::<Vec<_>>())?;
-                file.list(m.indices())?;
-                file.list(m.data())?;
+                section.one(SPARSE);
+                section.list(&m.proper_indptr().iter().map(|&start| start as u64).collect::<Vec<_>>());
+                section.list(m.indices());
+                section.list(m.data());
             }
         }
-        file.list(scale.as_slice())?;
-        file.list(self.exchange().escape().as_slice())?;
+        section.some(scale.as_slice());
+        section.some(self.exchange().escape().as_slice());
         let Closure { before, after, iterations } = *self.exchange().closure();
-        file.all(&[before, after])?;
-        file.one(iterations as u64)?;
-        let checksum = file.hash.digest();
-        file.one(checksum)
+        section.some(&[before, after]);
+        section.one(iterations as u64);
+        section.write(to)?;
+        rows_section(rows).write(to)
     }
 
     /// Reads form factors of a scene whose lamps, powers and reflectances may have changed since, and traces what is missing: rows of
@@ -123,7 +117,7 @@ impl FormFactors {
     /// # Errors
     /// `File`, and those of [`FormFactors::trace`].
     pub fn load<'s>(
-        file: &[u8],
+        file: &mut (impl Read + Seek),
         tracer: &Tracer<'s>,
         options: &Tessellation,
         storage: StorageKind,
@@ -133,8 +127,8 @@ impl FormFactors {
         progress.at("load", 0.0)?;
         let scene = tracer.scene();
         let saved = Saved::read(file, scene)?;
-        let Recipe { count: RayCount { rays: per_patch, lamp_rays }, .. } = saved.recipe;
-        let held = saved.row_slots.len();
+        let RayCount { rays: per_patch, lamp_rays } = saved.recipe.count;
+        let held = saved.held;
         // Where the same faces may send out light and the same are lamps, all is as it was.
         let same_light = saved.light == light_hash(scene);
         let known = same_light.then_some(saved.slots.as_slice());
@@ -144,14 +138,14 @@ impl FormFactors {
         }
         let lamps = Lamps::of_interest(tracer, lamp_rays);
         if same_light && lamps.faces().eq(saved.lamp_faces.iter().copied()) {
-            let rows = (keep == Keep::Rays).then(|| saved.rows()).transpose()?;
+            let rows = (keep == Keep::Rays).then(|| saved.read_rows(file)).transpose()?;
             let areas = DVector::from_row_slice(patches.areas());
             let exchange = Exchange::from_raw(saved.storage, saved.scale, saved.escape, areas, saved.closure);
             let reuse = Reuse { traced: 0, held, balanced: true };
             return Ok((patches, Self::from_parts(exchange, per_patch, rows), reuse));
         }
         progress.at("trace", 0.0)?;
-        let mut rows = saved.rows()?;
+        let mut rows = saved.read_rows(file)?;
         rows.adapt(tracer, &mut patches, progress)?;
         let reuse = Reuse { traced: rows.all().len() - held, held, balanced: false };
         progress.at("balance", 0.0)?;
@@ -161,15 +155,31 @@ impl FormFactors {
     }
 }
 
-/// What a file says, checked for consistency.
-struct Saved<'a> {
+const DENSE: u32 = 0;
+const SPARSE: u32 = 1;
+
+/// The rows, one property after another.
+fn rows_section(rows: &Rows) -> Section {
+    let mut section = Section::default();
+    let all = rows.all();
+    section.some(&all.iter().map(|row| row.slot).collect::<Vec<_>>());
+    section.some(&all.iter().map(|row| row.lamp_shares.len() as u32).collect::<Vec<_>>());
+    for row in all {
+        section.some(&row.landings);
+        section.some(&row.lamp_shares.iter().map(|share| [share.slot, share.batch]).collect::<Vec<_>>());
+        section.some(&row.lamp_shares.iter().map(|share| share.share).collect::<Vec<_>>());
+    }
+    section
+}
+
+/// What the first section of a file says, checked for consistency.
+struct Saved {
     light: u64,
     edge: f64,
     recipe: Recipe,
     lamp_faces: Vec<u32>,
-    row_slots: Vec<u32>,
-    /// Landings and lamp shares of the rows, not yet taken apart.
-    row_content: Reader<'a>,
+    /// Number of rows in the second section.
+    held: usize,
     slots: Vec<u32>,
     storage: Storage,
     scale: DVector<f64>,
@@ -177,21 +187,22 @@ struct Saved<'a> {
     closure: Closure,
 }
 
-impl<'a> Saved<'a> {
-    fn read(file: &'a [u8], scene: &Scene) -> Result<Self, FactorsFileError> {
+impl Saved {
+    fn read(file: &mut (impl Read + Seek), scene: &Scene) -> Result<Self, FactorsFileError> {
         use FactorsFileError::{Damaged, Foreign, OtherScene, Version};
-        if !file.starts_with(MAGIC) {
+        let mut magic = [0; MAGIC.len()];
+        if file.read_exact(&mut magic).is_err() || magic != *MAGIC {
             return Err(Foreign);
         }
-        let mut from = Reader(&file[MAGIC.len()..]);
-        let found = from.one::<u32>()?;
+        let mut version = [0; 4];
+        file.read_exact(&mut version)?;
+        let found = u32::from_le_bytes(version);
         if found != VERSION {
             return Err(Version { found });
         }
-        let (content, checksum) = file.split_last_chunk::<8>().ok_or(Damaged)?;
-        if xxh3_64(content) != u64::from_le_bytes(*checksum) {
-            return Err(Damaged);
-        }
+        let section = read_section(file)?;
+        ends_with_section(file)?;
+        let mut from = Content(&section);
         if from.one::<u64>()? != geometry_hash(scene) {
             return Err(OtherScene);
         }
@@ -199,60 +210,41 @@ impl<'a> Saved<'a> {
         let edge = from.one()?;
         let seed = from.one()?;
         let count = RayCount { rays: from.one()?, lamp_rays: from.one()? };
-        let lamp_faces = from.list::<u32>()?;
-        let row_slots = from.list::<u32>()?;
-        let row_content = Reader(from.bytes()?);
+        let lamp_faces = from.list()?;
+        let held = from.one::<u64>()? as usize;
         let slots = from.list::<u32>()?;
         let n = slots.len();
-        let storage = match from.one::<u32>()? {
-            0 => {
-                let values = from.list::<f32>()?;
-                if values.len() != n * n {
-                    return Err(Damaged);
-                }
-                Storage::Dense(DMatrix::from_vec(n, n, values))
+        let storage = if from.one::<u32>()? == DENSE {
+            let values = from.list::<f32>()?;
+            if values.len() != n * n {
+                return Err(Damaged);
             }
-            _ => {
-                let starts = from.list::<u64>()?.into_iter().map(|start| start as usize).collect();
-                let (indices, values) = (from.list::<u32>()?, from.list::<f32>()?);
-                Storage::Sparse(CsMatI::try_new((n, n), starts, indices, values).map_err(|_| Damaged)?)
-            }
+            Storage::Dense(DMatrix::from_vec(n, n, values))
+        } else {
+            let starts = from.list::<u64>()?.into_iter().map(|start| start as usize).collect();
+            let (indices, values) = (from.list::<u32>()?, from.list::<f32>()?);
+            Storage::Sparse(CsMatI::try_new((n, n), starts, indices, values).map_err(|_| Damaged)?)
         };
-        let (scale, escape) = (from.list::<f64>()?, from.list::<f64>()?);
-        if scale.len() != n || escape.len() != n {
-            return Err(Damaged);
-        }
+        let (scale, escape) = (DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?));
         let (before, after, iterations) = (from.one()?, from.one()?, from.one::<u64>()? as usize);
-        Ok(Self {
-            light,
-            edge,
-            recipe: Recipe { count, seed },
-            lamp_faces,
-            row_slots,
-            row_content,
-            slots,
-            storage,
-            scale: DVector::from_vec(scale),
-            escape: DVector::from_vec(escape),
-            closure: Closure { before, after, iterations },
-        })
+        let closure = Closure { before, after, iterations };
+        let recipe = Recipe { count, seed };
+        Ok(Self { light, edge, recipe, lamp_faces, held, slots, storage, scale, escape, closure })
     }
-}
 
-impl Saved<'_> {
-    /// Takes the rows apart.
-    fn rows(&self) -> Result<Rows, FactorsFileError> {
-        let mut from = Reader(self.row_content.0);
-        let rays = self.recipe.count.rays as usize;
-        let landings = from.some::<u32>(self.row_slots.len() * rays)?;
-        let shares = from.some::<u32>(self.row_slots.len())?;
-        let mut rows = Vec::with_capacity(self.row_slots.len());
-        for ((&slot, landings), &shares) in self.row_slots.iter().zip(landings.chunks(rays)).zip(&shares) {
-            let keys = from.some::<u32>(2 * shares as usize)?;
+    /// Reads the second section.
+    fn read_rows(&self, file: &mut (impl Read + Seek)) -> Result<Rows, FactorsFileError> {
+        let section = read_section(file)?;
+        let mut from = Content(&section);
+        let slots = from.some::<u32>(self.held)?;
+        let shares = from.some::<u32>(self.held)?;
+        let mut rows = Vec::with_capacity(self.held);
+        for (slot, shares) in slots.into_iter().zip(shares) {
+            let landings = from.some(self.recipe.count.rays as usize)?;
+            let keys = from.some::<[u32; 2]>(shares as usize)?;
             let values = from.some::<f32>(shares as usize)?;
-            let share = |(key, &share): (&[u32], &f32)| LampShare { slot: key[0], batch: key[1], share };
-            let lamp_shares = keys.chunks_exact(2).zip(&values).map(share).collect();
-            rows.push(Row { slot, landings: landings.to_vec(), lamp_shares });
+            let share = |([slot, batch], share): ([u32; 2], f32)| LampShare { slot, batch, share };
+            rows.push(Row { slot, landings, lamp_shares: keys.into_iter().zip(values).map(share).collect() });
         }
         Ok(Rows::new(self.recipe, self.lamp_faces.clone(), rows))
     }
@@ -275,57 +267,4 @@ fn light_hash(scene: &Scene) -> u64 {
         u8::from(material.emits()) + 2 * u8::from(material.reflects())
     };
     xxh3_64(&(0..scene.faces().len()).map(of).collect::<Vec<_>>())
-}
-
-/// Writes numbers, and sums them up as it goes.
-struct Writer<'a> {
-    to: &'a mut dyn Write,
-    hash: Xxh3,
-}
-
-impl Writer<'_> {
-    fn all<T: Pod>(&mut self, values: &[T]) -> io::Result<()> {
-        let bytes: &[u8] = bytemuck::cast_slice(values);
-        self.hash.update(bytes);
-        self.to.write_all(bytes)
-    }
-
-    fn one<T: Pod>(&mut self, value: T) -> io::Result<()> {
-        self.all(&[value])
-    }
-
-    /// The length, then the values.
-    fn list<T: Pod>(&mut self, values: &[T]) -> io::Result<()> {
-        self.one(values.len() as u64)?;
-        self.all(values)
-    }
-}
-
-/// The part of a file that is still to be read.
-struct Reader<'a>(&'a [u8]);
-
-impl<'a> Reader<'a> {
-    fn some<T: Pod>(&mut self, count: usize) -> Result<Vec<T>, FactorsFileError> {
-        let bytes = count.checked_mul(size_of::<T>()).filter(|&bytes| bytes <= self.0.len());
-        let (values, rest) = self.0.split_at(bytes.ok_or(FactorsFileError::Damaged)?);
-        self.0 = rest;
-        Ok(bytemuck::pod_collect_to_vec(values))
-    }
-
-    /// Bytes with their number before them, as they are.
-    fn bytes(&mut self) -> Result<&'a [u8], FactorsFileError> {
-        let count = self.one::<u64>()? as usize;
-        let (bytes, rest) = self.0.split_at_checked(count).ok_or(FactorsFileError::Damaged)?;
-        self.0 = rest;
-        Ok(bytes)
-    }
-
-    fn one<T: Pod>(&mut self) -> Result<T, FactorsFileError> {
-        self.some(1).map(|values| values[0])
-    }
-
-    fn list<T: Pod>(&mut self) -> Result<Vec<T>, FactorsFileError> {
-        let count = self.one::<u64>()?;
-        self.some(count as usize)
-    }
 }

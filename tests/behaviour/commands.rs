@@ -591,7 +591,7 @@ fn failure_is_status_1_and_one_clear_message() {
         ("solve settings.obj", ["settings.toml:2", "colour"]),
         ("solve --rays 4", ["4 rays", "between 8 and"]),
         ("solve --rays 4294967295", ["4294967295 rays", "between 8 and"]),
-        ("solve --memory 1kB", ["25 that fit", "more --memory"]),
+        ("solve --memory 1kB", ["more than the 1.0 kB allowed", "raise --memory"]),
         ("solve --size 40000x40000 --patches 50 --rays 8", ["40000 x 40000", "at most"]),
     ] {
         let message = refused(scratch.folder(), arguments, 1);

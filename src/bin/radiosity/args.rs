@@ -82,6 +82,11 @@ enum StorageArg {
 }
 
 impl AccuracyArgs {
+    /// How many patches there will be at least, as far as that is known.
+    pub fn wanted_patches(&self) -> usize {
+        if self.edge.is_some() { 0 } else { self.patches }
+    }
+
     pub fn tessellation<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> Tessellation<'a> {
         let size = match self.edge {
             Some(metres) => PatchSize::Edge(metres),
@@ -146,7 +151,14 @@ impl SolverArgs {
         };
         // A tolerance of zero asks for exact orders of the series; no residual ever is.
         let tolerance = if method == Method::Neumann { self.tolerance } else { self.tolerance.max(1e-13) };
-        SolveOptions { method, tolerance, order: self.order, memory: run.memory, progress }
+        SolveOptions {
+            method,
+            tolerance,
+            order: self.order,
+            memory: run.memory,
+            amplification: None,
+            progress,
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The command-line program: translates arguments, calls the library, prints.
 
 mod args;
+mod factors;
 mod render;
 mod solve;
 mod terminal;

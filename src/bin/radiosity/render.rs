@@ -1,12 +1,12 @@
 //! `radiosity render`: pictures.
 
 use radiosity::output;
-use radiosity::patches::Patches;
 use radiosity::solve;
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, Transport};
+use radiosity::transport::Transport;
 
-use crate::args::{AccuracyArgs, Failure, PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::args::{Failure, PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::factors::FactorsArgs;
 use crate::terminal::Terminal;
 
 #[derive(Debug, clap::Args)]
@@ -16,7 +16,7 @@ pub struct Args {
     #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten)]
-    accuracy: AccuracyArgs,
+    factors: FactorsArgs,
     #[command(flatten)]
     solver: SolverArgs,
     #[command(flatten)]
@@ -32,8 +32,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     terminal.warn_of(&scene);
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
-    let mut patches = Patches::new(&tracer, &args.accuracy.tessellation(&args.run, progress))?;
-    let factors = FormFactors::trace(&tracer, &mut patches, &args.accuracy.trace(&args.run, progress))?;
+    let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let solution = solve::solve(&k, &patches.sources(), &args.solver.options(&args.run, progress))?;
     let camera = args.picture.camera(&tracer, &patches);

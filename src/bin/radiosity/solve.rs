@@ -2,12 +2,12 @@
 
 use radiosity::measure::Energy;
 use radiosity::output::{self, PlanEntry, SeriesSummary, Summary};
-use radiosity::patches::Patches;
-use radiosity::solve::{self, NeumannOptions};
+use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, Plan, Transport};
+use radiosity::transport::{Plan, Transport};
 
-use crate::args::{AccuracyArgs, Failure, PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::args::{Failure, PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::factors::FactorsArgs;
 use crate::terminal::Terminal;
 
 #[derive(Debug, clap::Args)]
@@ -15,9 +15,13 @@ pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
     #[command(flatten)]
-    accuracy: AccuracyArgs,
+    factors: FactorsArgs,
     #[command(flatten)]
     solver: SolverArgs,
+    /// Also solve for the lamps of each material by themselves, and write lamp_groups.csv
+    #[arg(long, help_heading = "Solver")]
+    lamp_groups: bool,
+
     #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten)]
@@ -35,15 +39,22 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
 
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
-    let mut patches = Patches::new(&tracer, &args.accuracy.tessellation(&args.run, progress))?;
-    let factors = FormFactors::trace(&tracer, &mut patches, &args.accuracy.trace(&args.run, progress))?;
-    terminal.takes(factors.exchange().bytes());
+    let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let sources = patches.sources();
-    let solution = solve::solve(&k, &sources, &args.solver.options(&args.run, progress))?;
+    // All lamps together, then each group of lamps by itself: one factorization serves them all.
+    let groups = if args.lamp_groups { patches.sources_by_material() } else { Vec::new() };
+    let right_hand_sides: Vec<_> =
+        std::iter::once(&sources).chain(groups.iter().map(|g| &g.sources)).collect();
+    progress.at("solve", 0.0)?;
+    let amplification = Some(&Amplification::new(&k, &Default::default())?);
+    let options = SolveOptions { amplification, ..args.solver.options(&args.run, progress) };
+    let mut solutions = solve::solve_all(&k, &right_hand_sides, &options)?;
+    let by_group = solutions.split_off(1);
+    let solution = &solutions[0];
     progress.at("series", 0.0)?;
     let (order, tolerance) = (args.solver.order, args.solver.tolerance);
-    let series = solve::neumann(&k, &sources, &NeumannOptions { order, tolerance, progress })?;
+    let series = solve::neumann(&k, &sources, &NeumannOptions { order, tolerance, amplification, progress })?;
 
     let camera = args.picture.camera(&tracer, &patches);
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
@@ -54,6 +65,10 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     outputs.file("faces.csv", |file| output::write_faces(file, &patches, irradiance, radiance))?;
     outputs.file("patches.csv", |file| output::write_patches(file, &patches, irradiance, radiance))?;
     outputs.file("mesh.ply", |file| output::write_ply(file, &tracer, &patches, radiance, exposure))?;
+    if args.lamp_groups {
+        let lamps: Vec<_> = groups.iter().map(|g| g.material.as_str()).zip(&by_group).collect();
+        outputs.file("lamp_groups.csv", |file| output::write_lamp_groups(file, &patches, &lamps))?;
+    }
     args.picture.write(&picture, &mut outputs)?;
 
     let area_unit = tracer.frame().scale().powi(2);
@@ -69,7 +84,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         storage: factors.exchange().storage_name(),
         plan: plan.effects.iter().cloned().map(PlanEntry::from).collect(),
         stages: terminal.stages(),
-        series: SeriesSummary::new(&series, &solution, area_unit),
+        series: SeriesSummary::new(&series, solution, area_unit),
         solver: solution.report.clone(),
         energy: (&energy).into(),
         closure: *factors.exchange().closure(),

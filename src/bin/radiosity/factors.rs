@@ -1,0 +1,75 @@
+//! Where form factors come from: traced now, or from a file.
+
+use std::path::PathBuf;
+
+use radiosity::output;
+use radiosity::patches::Patches;
+use radiosity::trace::Tracer;
+use radiosity::transport::{FormFactors, Keep, TraceOptions};
+
+use crate::args::{AccuracyArgs, Failure, RunArgs};
+use crate::terminal::Terminal;
+
+/// How to get form factors.
+#[derive(Debug, clap::Args)]
+pub struct FactorsArgs {
+    #[command(flatten)]
+    accuracy: AccuracyArgs,
+
+    /// Write the form factors to a file, for --factors
+    #[arg(long, value_name = "FILE", help_heading = "Accuracy")]
+    save_factors: Option<PathBuf>,
+
+    /// Take form factors from a file that --save-factors wrote for the same geometry; lamps, powers and reflectances may
+    /// have changed
+    #[arg(
+        long,
+        value_name = "FILE",
+        help_heading = "Accuracy",
+        conflicts_with_all = ["patches", "edge", "rays", "storage"]
+    )]
+    factors: Option<PathBuf>,
+}
+
+impl FactorsArgs {
+    /// Cuts the scene and finds the form factors between its patches.
+    pub fn obtain<'s>(
+        &self,
+        tracer: &Tracer<'s>,
+        run: &RunArgs,
+        terminal: &Terminal,
+    ) -> Result<(Patches<'s>, FormFactors), Failure> {
+        let progress = terminal.progress();
+        let keep = if self.save_factors.is_some() { Keep::Rays } else { Keep::Nothing };
+        let tessellation = self.accuracy.tessellation(run, progress);
+        let trace = TraceOptions { keep, ..self.accuracy.trace(run, progress) };
+        let (patches, factors) = match &self.factors {
+            Some(path) => {
+                let refused = |e: &dyn std::fmt::Display| format!("cannot use {}: {e}", path.display());
+                let mut file = std::fs::File::open(path).map_err(|e| refused(&e))?;
+                let loaded = FormFactors::load(&mut file, tracer, &tessellation, trace.storage, keep);
+                let (patches, factors, reuse) = loaded.map_err(|e| refused(&e))?;
+                let balanced = if reuse.balanced { "" } else { ", balanced anew" };
+                terminal.say(format_args!(
+                    "form factors of {}: {} rows, {} traced now{balanced}",
+                    path.display(),
+                    reuse.held,
+                    reuse.traced
+                ))?;
+                (patches, factors)
+            }
+            None => {
+                trace.check(self.accuracy.wanted_patches())?;
+                let mut patches = Patches::new(tracer, &tessellation)?;
+                let factors = FormFactors::trace(tracer, &mut patches, &trace)?;
+                (patches, factors)
+            }
+        };
+        terminal.takes(factors.exchange().bytes());
+        if let Some(path) = &self.save_factors {
+            progress.at("write", 0.0)?;
+            output::replace(path, |file| factors.save(&patches, file))?;
+        }
+        Ok((patches, factors))
+    }
+}

@@ -1,0 +1,88 @@
+//! Sections: parts of a binary file, each with its length in front and its checksum behind.
+
+use std::io::{self, Read, Seek, SeekFrom, Write};
+
+use bytemuck::Pod;
+use xxhash_rust::xxh3::xxh3_64;
+
+use super::saved::FactorsFileError;
+
+/// A section that is being put together.
+#[derive(Default)]
+pub(super) struct Section(Vec<u8>);
+
+impl Section {
+    pub fn one<T: Pod>(&mut self, value: T) {
+        self.some(&[value]);
+    }
+
+    pub fn some<T: Pod>(&mut self, values: &[T]) {
+        self.0.extend_from_slice(bytemuck::cast_slice(values));
+    }
+
+    /// The number of values, then the values.
+    pub fn list<T: Pod>(&mut self, values: &[T]) {
+        self.one(values.len() as u64);
+        self.some(values);
+    }
+
+    pub fn write(self, to: &mut dyn Write) -> io::Result<()> {
+        to.write_all(&(self.0.len() as u64).to_le_bytes())?;
+        to.write_all(&self.0)?;
+        to.write_all(&xxh3_64(&self.0).to_le_bytes())
+    }
+}
+
+/// Reads the section that comes next.
+pub(super) fn read_section(file: &mut (impl Read + Seek)) -> Result<Vec<u8>, FactorsFileError> {
+    let length = read_u64(file)?;
+    if length.checked_add(8).is_none_or(|needed| needed > left(file)) {
+        return Err(FactorsFileError::Damaged);
+    }
+    let mut content = vec![0; length as usize];
+    file.read_exact(&mut content)?;
+    if read_u64(file)? == xxh3_64(&content) { Ok(content) } else { Err(FactorsFileError::Damaged) }
+}
+
+/// Makes sure that one section and nothing else comes next, without reading it.
+pub(super) fn ends_with_section(file: &mut (impl Read + Seek)) -> Result<(), FactorsFileError> {
+    let length = read_u64(file)?;
+    let whole = length.checked_add(8) == Some(left(file));
+    file.seek(SeekFrom::Current(-8))?;
+    if whole { Ok(()) } else { Err(FactorsFileError::Damaged) }
+}
+
+fn read_u64(file: &mut impl Read) -> Result<u64, FactorsFileError> {
+    let mut bytes = [0; 8];
+    file.read_exact(&mut bytes)?;
+    Ok(u64::from_le_bytes(bytes))
+}
+
+/// Bytes from here to the end.
+fn left(file: &mut impl Seek) -> u64 {
+    let here = file.stream_position().unwrap_or(0);
+    let end = file.seek(SeekFrom::End(0)).unwrap_or(here);
+    file.seek(SeekFrom::Start(here)).map_or(0, |here| end.saturating_sub(here))
+}
+
+/// The part of a section that is still to be taken apart.
+#[derive(Clone, Copy)]
+pub(super) struct Content<'a>(pub &'a [u8]);
+
+impl Content<'_> {
+    pub fn one<T: Pod>(&mut self) -> Result<T, FactorsFileError> {
+        self.some(1).map(|values| values[0])
+    }
+
+    pub fn some<T: Pod>(&mut self, count: usize) -> Result<Vec<T>, FactorsFileError> {
+        let bytes = count.checked_mul(size_of::<T>()).ok_or(FactorsFileError::Damaged)?;
+        let (values, rest) = self.0.split_at_checked(bytes).ok_or(FactorsFileError::Damaged)?;
+        self.0 = rest;
+        Ok(bytemuck::pod_collect_to_vec(values))
+    }
+
+    pub fn list<T: Pod>(&mut self) -> Result<Vec<T>, FactorsFileError> {
+        let count = self.one::<u64>()?;
+        self.some(count as usize)
+    }
+}
