@@ -2,9 +2,9 @@
 
 use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
-use radiosity::measure::Energy;
+use radiosity::measure::{Energy, ReferenceRow, RelativeRms};
 use radiosity::patches::{PatchSize, Patches, Tessellation};
-use radiosity::scene::{Scene, SceneParts};
+use radiosity::scene::{Scene, SceneParts, Side};
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Solution};
 use radiosity::trace::Tracer;
 use radiosity::transport::{Exchange, FormFactors, StorageKind, TraceOptions, Transport};
@@ -282,21 +282,15 @@ fn the_cornell_box_agrees_with_an_independent_path_tracer() {
     let solution = solve::conjugate_gradients(&k, &patches.sources(), &CgOptions::default()).unwrap();
     let faces = patches.average_by_face(&solution.irradiance);
     let mut table = csv::Reader::from_path(format!("{folder}cornell.csv")).unwrap();
-    let (mut squared_error, mut squared) = (0.0, 0.0);
-    let mut compared = 0;
-    for row in table.records().map(Result::unwrap) {
-        let number = |k: usize| row[k].parse::<f64>().unwrap();
-        let face = faces.iter().find(|f| f.face == number(0) as usize && f.side.name() == &row[1]).unwrap();
-        assert!((face.area - number(2)).abs() < 1e-6 * face.area);
-        for c in 0..3 {
-            let (mean, error) = (number(3 + c), number(6 + c));
-            if error < 0.2 * mean {
-                squared_error += face.area * ((face.mean[c] - mean).powi(2) - error.powi(2));
-                squared += face.area * mean.powi(2);
-                compared += 1;
-            }
-        }
-    }
-    let relative = (squared_error.max(0.0) / squared).sqrt();
-    assert!(compared > 100 && relative < 0.015, "{compared} values, relative RMS {relative}");
+    let reference: Vec<ReferenceRow> = table
+        .records()
+        .map(|row| {
+            let row = row.unwrap();
+            let number = |k: usize| row[k].parse::<f64>().unwrap();
+            let (mean, standard_error) = ((3..6).map(number).collect(), (6..9).map(number).collect());
+            ReferenceRow { face: number(0) as usize, side: Side::Front, mean, standard_error }
+        })
+        .collect();
+    let rms = RelativeRms::of(&faces, &reference);
+    assert!(rms.compared == 3 * 38 && rms.value < 0.005, "{rms:?}");
 }

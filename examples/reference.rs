@@ -1,0 +1,58 @@
+//! Irradiance of every face against an independent renderer: three scenes at default settings, as per-face irradiance with
+//! standard errors that a path tracer (Mitsuba 3.9.1) found.
+//!
+//! `cargo run --release --example reference`
+
+use std::time::Instant;
+
+use radiosity::measure::{ReferenceRow, RelativeRms};
+use radiosity::patches::{Patches, Tessellation};
+use radiosity::scene::{Scene, Side};
+use radiosity::solve::{self, NeumannOptions, SolveOptions};
+use radiosity::trace::Tracer;
+use radiosity::transport::{FormFactors, TraceOptions, Transport};
+
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    println!("scene         faces  patches  seconds  relative RMS error  (noise of the reference)");
+    let mut worst = 0.0f64;
+    for name in ["cornell", "cornell_fine", "gallery"] {
+        let reference = read_reference(&format!("{FOLDER}/{name}.csv"))?;
+        let start = Instant::now();
+        let scene = Scene::load(format!("{FOLDER}/{name}.obj"))?;
+        let tracer = Tracer::new(&scene);
+        let mut patches = Patches::new(&tracer, &Tessellation::default())?;
+        let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default())?;
+        let k = Transport::of(&factors, &patches)?;
+        let e = patches.sources();
+        let solution = solve::solve(&k, &e, &SolveOptions::default())?;
+        solve::neumann(&k, &e, &NeumannOptions::default())?;
+        let seconds = start.elapsed().as_secs_f64();
+        let rms = RelativeRms::of(&patches.average_by_face(&solution.irradiance), &reference);
+        let (faces, n) = (scene.faces().len(), patches.len());
+        let (error, noise) = (100.0 * rms.value, 100.0 * rms.noise);
+        println!("{name:12} {faces:6}  {n:7}  {seconds:7.2}  {error:16.2} %  {noise:.2} %");
+        worst = worst.max(rms.value);
+    }
+    assert!(worst <= 0.01, "an ordinary room should come out within 1 % per face");
+    Ok(())
+}
+
+/// Reads `face,side,area,E_r,E_g,E_b,se_r,se_g,se_b`.
+fn read_reference(path: &str) -> Result<Vec<ReferenceRow>, Box<dyn std::error::Error>> {
+    let mut rows = Vec::new();
+    for record in csv::Reader::from_path(path)?.records() {
+        let record = record?;
+        let number = |k: usize| record[k].parse::<f64>();
+        let numbers = |columns: std::ops::Range<usize>| columns.map(number).collect::<Result<Vec<_>, _>>();
+        let side = if &record[1] == "front" { Side::Front } else { Side::Back };
+        rows.push(ReferenceRow {
+            face: record[0].parse()?,
+            side,
+            mean: mean?,
+            standard_error: standard_error?,
+        });
+    }
+    Ok(rows)
+}
