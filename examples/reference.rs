@@ -50,8 +50,8 @@ fn read_reference(path: &str) -> Result<Vec<ReferenceRow>, Box<dyn std::error::E
         rows.push(ReferenceRow {
             face: record[0].parse()?,
             side,
-            mean: mean?,
-            standard_error: standard_error?,
+            mean: numbers(3..6)?,
+            standard_error: numbers(6..9)?,
         });
     }
     Ok(rows)
