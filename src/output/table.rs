@@ -91,7 +91,7 @@ fn write(
 }
 
 /// A number with nine significant digits, without trailing zeros.
-fn digits(x: f64) -> String {
+pub(super) fn digits(x: f64) -> String {
     let rounded: f64 = format!("{x:.8e}").parse().unwrap_or(x);
     if rounded != 0.0 && !(1e-4..1e9).contains(&rounded.abs()) {
         format!("{rounded:e}")

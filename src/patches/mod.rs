@@ -5,6 +5,7 @@
 //! numbered by face, then side, then cell. Everything that has one value a patch uses that order.
 
 mod aggregate;
+mod groups;
 mod sides;
 mod subdivide;
 
@@ -17,6 +18,7 @@ use crate::progress::{Cancelled, Progress};
 use crate::scene::{FaceState, Scene, Side};
 use crate::trace::{Frame, Ray, Tracer, sampling};
 pub use aggregate::FaceRow;
+pub use groups::{Group, GroupBy, Groups};
 pub use sides::Reach;
 pub use subdivide::Barycentrics;
 use subdivide::Cuts;
