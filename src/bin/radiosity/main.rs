@@ -1,6 +1,7 @@
 //! The command-line program: translates arguments, calls the library, prints.
 
 mod args;
+mod form_factors;
 mod render;
 mod solve;
 mod terminal;
@@ -29,6 +30,7 @@ enum Command {
     Solve(solve::Args),
     /// Make a picture of a scene
     Render(render::Args),
+    FormFactors(form_factors::Args),
 }
 
 fn main() -> ExitCode {
@@ -36,11 +38,13 @@ fn main() -> ExitCode {
     let run = match &cli.command {
         Command::Solve(args) => &args.run,
         Command::Render(args) => &args.run,
+        Command::FormFactors(args) => &args.run,
     };
     let terminal = Terminal::new(run.quiet, run.json);
     let done = run.set_up(&terminal).and_then(|()| match &cli.command {
         Command::Solve(args) => solve::run(args, &terminal),
         Command::Render(args) => render::run(args, &terminal),
+        Command::FormFactors(args) => form_factors::run(args, &terminal),
     });
     terminal.clear();
     match done {
