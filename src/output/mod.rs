@@ -5,8 +5,10 @@
 //! [`write_patches`] make tables. [`Outputs`] replaces the files of a run together: all of them whole, or none.
 
 mod file;
+mod form_factors;
 mod image;
 mod mesh;
+mod npz;
 mod picture;
 mod smooth;
 mod summary;
@@ -19,6 +21,7 @@ use std::path::PathBuf;
 use crate::progress::Cancelled;
 
 pub use self::file::{Outputs, replace};
+pub use self::form_factors::{FactorFormat, FactorTable, write_form_factors};
 pub use self::image::{Outlines, RenderOptions, Shading, render};
 pub use self::mesh::write_ply;
 pub use self::picture::{LampPart, Picture};
@@ -44,6 +47,12 @@ pub enum OutputError {
         path: PathBuf,
         /// What the system says.
         source: std::io::Error,
+    },
+    /// A file's name does not tell how to write form factors.
+    #[error("{}: form factors are written as .csv, .mtx or .npz; end the name of the file in one of these", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
     },
     /// A picture of this size can't be made.
     #[error(

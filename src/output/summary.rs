@@ -72,7 +72,7 @@ pub struct PlanEntry {
 /// A stage of the run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Stage {
-    /// load, build, patch, trace, balance, factor, solve, series, render or write.
+    /// load, build, patch, trace, balance, errors, factor, solve, series, render or write.
     pub name: &'static str,
     /// Wall-clock time.
     pub seconds: f64,

@@ -113,7 +113,7 @@ fn write(
 }
 
 /// A number with nine significant digits, without trailing zeros.
-fn digits(x: f64) -> String {
+pub(super) fn digits(x: f64) -> String {
     if x == 0.0 {
         return "0".into();
     }

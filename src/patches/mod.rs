@@ -5,6 +5,7 @@
 //! numbered by face, then side, then cell. Everything that has one value a patch uses that order.
 
 mod aggregate;
+mod groups;
 mod sides;
 mod subdivide;
 
@@ -17,6 +18,7 @@ use crate::progress::{Cancelled, Progress};
 use crate::scene::{FaceState, Scene, Side};
 use crate::trace::{Frame, Ray, Tracer, sampling};
 pub use aggregate::FaceRow;
+pub use groups::{Group, GroupBy, Groups};
 pub use sides::Reach;
 pub use subdivide::Barycentrics;
 use subdivide::Cuts;
@@ -86,6 +88,7 @@ pub enum PatchError {
 pub struct Patches<'s> {
     scene: &'s Scene,
     frame: Frame,
+    reach: Reach,
     cuts: Cuts,
     /// Per face, and one more: its first slot. Front cells come first, then as many back cells.
     first_slot: Vec<u32>,
@@ -177,6 +180,7 @@ impl<'s> Patches<'s> {
         Ok(Self {
             scene,
             frame: *tracer.frame(),
+            reach: options.reach,
             cuts,
             patch_of_slot: vec![NONE; slots as usize],
             first_slot,
@@ -309,8 +313,12 @@ impl<'s> Patches<'s> {
         }
     }
 
-    /// Whether a slot sends out light once light reaches it: it reflects, or is the front of a lamp.
+    /// Whether a slot sends out light once light reaches it: it reflects, or is the front of a lamp. Where everything is
+    /// to be reached, all do.
     pub(crate) fn is_bright(&self, slot: u32) -> bool {
+        if self.reach == Reach::Everything {
+            return true;
+        }
         let Slot { face, side, .. } = self.slot(slot);
         let material = self.scene.material_of(face);
         material.reflects() || (side == Side::Front && material.emits())

@@ -3,11 +3,9 @@
 //! Reached is a flag per slot. Lamps are reached; from every reached slot that reflects or emits, light goes on to what its rays meet
 //! and to what sees it, until nothing new turns up. What no light reaches costs nothing and stays exactly zero.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
-use super::{Patches, Tessellation};
+use super::{Patches, Slot, Tessellation};
 use crate::progress::Cancelled;
 use crate::scene::Side;
 use crate::trace::{Lamps, Tracer, geometry_term, sampling::Sequence};
@@ -17,7 +15,7 @@ use crate::trace::{Lamps, Tracer, geometry_term, sampling::Sequence};
 pub enum Reach {
     /// Those that light from the scene's lamps reaches.
     Light,
-    /// Whole sides of faces that see anything, lit or not: for form factors.
+    /// Whole sides of faces that see anything or are seen, lit or not, black or not: for form factors.
     Everything,
 }
 
@@ -28,7 +26,7 @@ pub(super) const LOOK: u32 = 16;
 pub(super) const GLANCE: u32 = 4;
 
 /// Looks straight at lamps, which are small and easily missed.
-const LAMP_LOOKS: u32 = 4;
+const LAMP_LOOKS: u32 = 32;
 
 /// The streams of random sequences for looking around and at lamps; apart from all others.
 const STREAM: u64 = 1 << 40;
@@ -50,18 +48,38 @@ impl Patches<'_> {
         Ok(())
     }
 
-    /// The slots of all sides of faces that see something.
+    /// The slots of all sides of faces that see something or are seen.
     fn seeing(&self, tracer: &Tracer, options: &Tessellation, rays: u32) -> Result<Vec<u32>, Cancelled> {
         /// To see anything at all is asked of a side but once, and answered with care.
         const CARE: u32 = 4;
         options.progress.at("patch", 0.3)?;
         let sides =
             (0..self.scene.faces().len()).flat_map(|face| Side::BOTH.map(|side| self.slots_of(face, side)));
-        let sees = |side: &Range<u32>| {
+        let mut found = Vec::new();
+        for side in sides {
             let slots: Vec<u32> = side.clone().collect();
-            self.look(tracer, &slots, CARE * rays, options.seed).iter().any(|landings| !landings.is_empty())
-        };
-        Ok(sides.filter(sees).flatten().collect())
+            let landings = self.look(tracer, &slots, CARE * rays, options.seed).concat();
+            if !landings.is_empty() {
+                found.push(side.start);
+                found.extend(landings);
+            }
+        }
+        Ok(self.widen(found))
+    }
+
+    /// What become patches once these slots are reached: they alone, or the whole sides on which they lie.
+    pub(crate) fn widen(&self, mut slots: Vec<u32>) -> Vec<u32> {
+        if self.reach == Reach::Everything {
+            let side_of = |slot: u32| {
+                let Slot { face, side, .. } = self.slot(slot);
+                (face, side)
+            };
+            let mut sides: Vec<(usize, Side)> = slots.into_iter().map(side_of).collect();
+            sides.sort_unstable();
+            sides.dedup();
+            slots = sides.into_iter().flat_map(|(face, side)| self.slots_of(face, side)).collect();
+        }
+        slots
     }
 
     /// The slots that light from lamps reaches.

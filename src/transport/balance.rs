@@ -129,9 +129,9 @@ pub(super) fn balance_around_lamps(
     let mut closing = Problem::new(storage, &to_others, areas.clone(), lamps.clone());
     let lamp_scale = closing.solve(&start, progress)?.scale;
 
-    // A row that lamps all but fill has little else to share out: there lamps and rays are scaled alike.
+    // A row that lamps all but fill has next to nothing else to share out: there lamps and rays are scaled alike.
     let from_lamps = through(storage, &lamp_scale);
-    let flooded: Vec<bool> = (0..n).map(|i| from_lamps[i] > 0.5 * areas[i]).collect();
+    let flooded: Vec<bool> = (0..n).map(|i| from_lamps[i] > 0.95 * areas[i]).collect();
     let left_alone = |i: usize| !is_lamp[i] && !flooded[i];
     let target = DVector::from_fn(n, |i, _| areas[i] - if left_alone(i) { from_lamps[i] } else { 0.0 });
     let escape_and_lamps =

@@ -153,7 +153,7 @@ impl Rows {
             if reached.is_empty() {
                 break;
             }
-            patches.activate(&reached);
+            patches.activate(&patches.widen(reached));
         }
         progress.at("trace", 1.0)
     }

@@ -14,17 +14,17 @@ fn sheet(low: [f64; 2], high: [f64; 2], y: f64) -> Quad {
     [[low[0], y, low[1]], [low[0], y, high[1]], [high[0], y, high[1]], [high[0], y, low[1]]]
 }
 
-/// A small black receiver in a black room under a near lamp, part of which a blocker hides.
+/// A small receiver in a grey room under a near lamp, part of which a blocker hides.
 fn shaded(blocker: Option<Quad>) -> Scene {
     let walls = room([-1.0, 0.0, -1.0], [1.0, 1.0, 1.0]).map(|quad| (quad, 0));
     let receiver = (sheet([-0.1, -0.1], [0.1, 0.1], 0.1), 0);
     let lamp = (flipped(sheet([-0.5, -0.5], [0.5, 0.5], 0.6)), 1);
     let blocker = blocker.map(|quad| (quad, 0));
     let all: Vec<(Quad, u32)> = walls.into_iter().chain([receiver, lamp]).chain(blocker).collect();
-    quads(&all, vec![Material::diffuse("black", &[0.0]), Material::lamp("lamp", &[0.0], &[1.0])])
+    quads(&all, vec![Material::diffuse("grey", &[0.5]), Material::lamp("lamp", &[0.0], &[1.0])])
 }
 
-/// Irradiance of the receiver.
+/// Direct irradiance of the receiver.
 fn irradiance(scene: &Scene, rays: u32, lamp_rays: u32, seed: u64) -> f64 {
     let tracer = Tracer::new(scene);
     let size = PatchSize::Edge(0.5);
@@ -46,16 +46,17 @@ fn partly_hidden_lamps_are_seen_without_bias() {
         Some(sheet([0.0, -0.6], [0.6, 0.6], 0.5)),
         Some(sheet([-0.4, -0.6], [0.6, 0.6], 0.5)),
     ];
+    let unhidden = irradiance(&shaded(None), 1 << 14, 1 << 17, 999);
     for (case, blocker) in blockers.into_iter().enumerate() {
         let scene = shaded(blocker);
-        let exact = irradiance(&scene, 1 << 17, 1 << 19, 999);
-        const SEEDS: usize = 64;
+        let exact = irradiance(&scene, 1 << 14, 1 << 17, 999);
+        const SEEDS: usize = 160;
         let values: Vec<f64> = (0..SEEDS).map(|seed| irradiance(&scene, 512, 256, seed as u64)).collect();
         let mean = values.iter().sum::<f64>() / SEEDS as f64;
         let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (SEEDS - 1) as f64;
-        let standard_error = (variance / SEEDS as f64).sqrt() / exact;
-        let bias = mean / exact - 1.0;
-        assert!(standard_error < 5e-4, "case {case}: too noisy to tell: {standard_error}");
+        let standard_error = (variance / SEEDS as f64).sqrt() / unhidden;
+        let bias = (mean - exact) / unhidden;
+        assert!(standard_error < 1e-3, "case {case}: too noisy to tell: {standard_error}");
         assert!(bias.abs() < 1e-3 + 2.0 * standard_error, "case {case}: bias {bias} ± {standard_error}");
     }
 }

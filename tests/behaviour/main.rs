@@ -2,6 +2,7 @@
 
 mod commands; // what the program writes, prints and answers
 mod files; // what scene files mean, and how bad ones are refused
+mod form_factor_files; // form factors as CSV, Matrix Market and NumPy files, and the command that writes them
 mod form_factors; // closed forms, judged by standard errors
 mod hard_cases; // near-singular, tiny, huge, degenerate: every solver, both storages
 mod lamp_columns; // direct light without bias

@@ -2,6 +2,7 @@
 
 mod args;
 mod factors;
+mod form_factors;
 mod render;
 mod solve;
 mod terminal;
@@ -35,6 +36,7 @@ enum Command {
     ///
     /// Solves it as solve does, and writes image.png only.
     Render(render::Args),
+    FormFactors(form_factors::Args),
 }
 
 fn main() -> ExitCode {
@@ -42,11 +44,13 @@ fn main() -> ExitCode {
     let run = match &cli.command {
         Command::Solve(args) => &args.run,
         Command::Render(args) => &args.run,
+        Command::FormFactors(args) => &args.run,
     };
     let terminal = Terminal::new(run.quiet, run.json);
     let done = run.set_up(&terminal).and_then(|()| match &cli.command {
         Command::Solve(args) => solve::run(args, &terminal),
         Command::Render(args) => render::run(args, &terminal),
+        Command::FormFactors(args) => form_factors::run(args, &terminal),
     });
     terminal.clear();
     match done {
