@@ -9,7 +9,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::exchange::Storage;
+use super::storage::Storage;
 use crate::progress::{Cancelled, Progress};
 
 /// How far rows are from summing to their patch's area, as the largest relative difference.

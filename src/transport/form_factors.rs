@@ -1,8 +1,10 @@
 //! Form factors: F_ij, the fraction of what patch i sends out that lands on patch j.
 
 use super::TransportError;
-use super::exchange::{Exchange, StorageKind};
-use super::rays::{BATCHES, RayCount, Recipe, Rows};
+use super::exchange::Exchange;
+use super::rays::Rows;
+use super::recipe::{BATCHES, RayCount, Recipe};
+use super::storage::StorageKind;
 use crate::patches::Patches;
 use crate::progress::Progress;
 use crate::trace::{Tracer, sampling};

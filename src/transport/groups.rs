@@ -7,8 +7,9 @@
 
 use rayon::prelude::*;
 
-use super::exchange::{Exchange, StorageKind};
-use super::rays::BATCHES;
+use super::exchange::Exchange;
+use super::recipe::BATCHES;
+use super::storage::StorageKind;
 use super::{FormFactors, TransportError};
 use crate::patches::Patches;
 use crate::progress::Progress;

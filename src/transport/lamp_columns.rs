@@ -17,7 +17,7 @@ use crate::patches::{Facet, Patches};
 use crate::scene::Side;
 use crate::trace::{Lamps, Tracer, geometry_term, sampling::Sequence};
 
-use super::rays::{BATCHES, Recipe};
+use super::recipe::{BATCHES, Recipe};
 
 /// Where streams of random sequences for pairs, and for points under Lambert's formula, start.
 const PAIR_STREAM: u64 = 1 << 41;

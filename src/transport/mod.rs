@@ -4,6 +4,7 @@
 //! the reflectances and is the operator that the solvers invert. The two stay apart so that other reflectances,
 //! lamps and lamp powers cost no rays.
 
+mod assembly;
 mod balance;
 mod exchange;
 mod form_factors;
@@ -12,17 +13,21 @@ mod lamp_columns;
 mod operator;
 mod plan;
 mod rays;
+mod recipe;
 mod saved;
 mod sections;
 mod solvable;
+mod storage;
 
 pub use balance::Closure;
-pub use exchange::{Exchange, Storage, StorageKind};
+pub use exchange::Exchange;
 pub use form_factors::{FormFactors, Keep, TraceOptions};
 pub use groups::GroupFactor;
 pub use operator::Transport;
 pub use plan::{Effect, Plan};
-pub use saved::{FactorsFileError, Reuse};
+pub use saved::Reuse;
+pub use sections::FactorsFileError;
+pub use storage::{Storage, StorageKind};
 
 use crate::patches::PatchError;
 use crate::progress::Cancelled;

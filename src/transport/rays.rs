@@ -8,6 +8,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::lamp_columns::{LampShare, lamp_shares};
+use super::recipe::{BATCHES, Recipe};
 use crate::patches::Patches;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
@@ -19,25 +20,8 @@ pub(super) const AWAY: u32 = u32::MAX;
 /// Where streams of random sequences for rays start.
 const STREAM: u64 = 0;
 
-/// Independent scramblings per row, by whose spread the noise of form factors is measured.
-pub(super) const BATCHES: u32 = 8;
-
 /// Rows between two reports of progress.
 const CHUNK: usize = 256;
-
-/// How many rays of each kind a patch sends; multiples of [`BATCHES`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct RayCount {
-    pub rays: u32,
-    pub lamp_rays: u32,
-}
-
-/// How rows are traced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Recipe {
-    pub count: RayCount,
-    pub seed: u64,
-}
 
 /// The lamps that light sampling looks for, and their slots.
 struct Goals {

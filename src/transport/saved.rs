@@ -11,54 +11,18 @@ use nalgebra::{DMatrix, DVector};
 use sprs::CsMatI;
 use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
-use super::exchange::{Exchange, Storage};
+use super::exchange::Exchange;
 use super::lamp_columns::LampShare;
-use super::rays::{RayCount, Recipe, Row, Rows};
-use super::sections::{Content, Section, ends_with_section, read_section};
+use super::rays::{Row, Rows};
+use super::recipe::{RayCount, Recipe};
+use super::sections::{Content, FactorsFileError, Section, VERSION, ends_with_section, read_section};
+use super::storage::Storage;
 use super::{Closure, FormFactors, Keep, StorageKind, TransportError};
 use crate::patches::{Patches, Tessellation};
 use crate::scene::{FaceState, Scene};
 use crate::trace::{Lamps, Tracer};
 
 const MAGIC: &[u8; 8] = b"radiosFF";
-
-/// Files of another version are refused.
-const VERSION: u32 = 1;
-
-/// Why a file of form factors can't be used.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum FactorsFileError {
-    /// It is something else.
-    #[error("this is no file of form factors; make one with --save-factors")]
-    Foreign,
-    /// Another version of the program wrote it.
-    #[error("the file has format version {found}, this program reads {VERSION}; save the form factors anew")]
-    Version {
-        /// The file's version.
-        found: u32,
-    },
-    /// Some of it is missing or altered.
-    #[error("the file is damaged: it is cut off or its checksum does not match; save the form factors anew")]
-    Damaged,
-    /// It can't be read.
-    #[error("the file cannot be read: {0}")]
-    Unreadable(String),
-    /// It belongs to another scene.
-    #[error(
-        "the file belongs to other geometry: vertices or faces differ from the scene's; save the form factors anew"
-    )]
-    OtherScene,
-}
-
-impl From<io::Error> for FactorsFileError {
-    fn from(error: io::Error) -> Self {
-        match error.kind() {
-            io::ErrorKind::UnexpectedEof => Self::Damaged,
-            _ => Self::Unreadable(error.to_string()),
-        }
-    }
-}
 
 /// How much of a file could be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,7 +5,43 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use bytemuck::Pod;
 use xxhash_rust::xxh3::xxh3_64;
 
-use super::saved::FactorsFileError;
+/// Files of another version are refused.
+pub(super) const VERSION: u32 = 1;
+
+/// Why a file of form factors can't be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FactorsFileError {
+    /// It is something else.
+    #[error("this is no file of form factors; make one with --save-factors")]
+    Foreign,
+    /// Another version of the program wrote it.
+    #[error("the file has format version {found}, this program reads {VERSION}; save the form factors anew")]
+    Version {
+        /// The file's version.
+        found: u32,
+    },
+    /// Some of it is missing or altered.
+    #[error("the file is damaged: it is cut off or its checksum does not match; save the form factors anew")]
+    Damaged,
+    /// It can't be read.
+    #[error("the file cannot be read: {0}")]
+    Unreadable(String),
+    /// It belongs to another scene.
+    #[error(
+        "the file belongs to other geometry: vertices or faces differ from the scene's; save the form factors anew"
+    )]
+    OtherScene,
+}
+
+impl From<io::Error> for FactorsFileError {
+    fn from(error: io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::UnexpectedEof => Self::Damaged,
+            _ => Self::Unreadable(error.to_string()),
+        }
+    }
+}
 
 /// A section that is being put together.
 #[derive(Default)]

@@ -11,10 +11,7 @@ use radiosity::solve::{Method, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{StorageKind, TraceOptions};
 
-use crate::terminal::Terminal;
-
-/// Any error, ready to be printed.
-pub type Failure = Box<dyn std::error::Error>;
+use crate::terminal::{Failure, Terminal};
 
 /// What to read and where to write.
 #[derive(Debug, Args)]

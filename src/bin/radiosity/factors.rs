@@ -7,8 +7,8 @@ use radiosity::patches::Patches;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, TraceOptions};
 
-use crate::args::{AccuracyArgs, Failure, RunArgs};
-use crate::terminal::Terminal;
+use crate::args::{AccuracyArgs, RunArgs};
+use crate::terminal::{Failure, Terminal};
 
 /// How to get form factors.
 #[derive(Debug, clap::Args)]

@@ -10,8 +10,8 @@ use radiosity::scene::Scene;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, TraceOptions};
 
-use crate::args::{AccuracyArgs, Failure, RunArgs, SceneArgs};
-use crate::terminal::Terminal;
+use crate::args::{AccuracyArgs, RunArgs, SceneArgs};
+use crate::terminal::{Failure, Terminal};
 
 /// Form factors between faces, materials, objects or patches; needs no light
 ///

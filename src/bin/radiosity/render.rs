@@ -5,9 +5,9 @@ use radiosity::solve;
 use radiosity::trace::Tracer;
 use radiosity::transport::Transport;
 
-use crate::args::{Failure, PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::args::{PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
-use crate::terminal::Terminal;
+use crate::terminal::{Failure, Terminal};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {

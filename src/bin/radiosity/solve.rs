@@ -6,9 +6,9 @@ use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{Plan, Transport};
 
-use crate::args::{Failure, PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::args::{PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
-use crate::terminal::Terminal;
+use crate::terminal::{Failure, Terminal};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {

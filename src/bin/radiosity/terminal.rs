@@ -13,7 +13,8 @@ use radiosity::progress::{Observer, Progress};
 use radiosity::scene::Scene;
 use radiosity::transport::Plan;
 
-use crate::args::Failure;
+/// Any error, ready to be printed.
+pub type Failure = Box<dyn std::error::Error>;
 
 /// A stage shorter than this draws no bar.
 const BRIEF: Duration = Duration::from_millis(700);

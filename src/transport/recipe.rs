@@ -1,0 +1,18 @@
+//! Recipe: how many rays of each kind a patch sends, and by which random sequences.
+
+/// Independent scramblings per row, by whose spread the noise of form factors is measured.
+pub(super) const BATCHES: u32 = 8;
+
+/// How many rays of each kind a patch sends; multiples of [`BATCHES`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct RayCount {
+    pub rays: u32,
+    pub lamp_rays: u32,
+}
+
+/// How rows are traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Recipe {
+    pub count: RayCount,
+    pub seed: u64,
+}

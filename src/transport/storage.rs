@@ -1,0 +1,129 @@
+//! Storage: a symmetric n × n matrix of non-negative f32, dense or sparse, and its product with vectors.
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use sprs::CsMatI;
+
+/// A symmetric n × n matrix of non-negative f32.
+#[derive(Clone, Debug)]
+pub enum Storage {
+    /// Every entry.
+    Dense(DMatrix<f32>),
+    /// The entries that are not zero, by rows; both triangles.
+    Sparse(CsMatI<f32, u32, usize>),
+}
+
+/// How to store exchange areas.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StorageKind {
+    /// Whichever is smaller.
+    #[default]
+    Auto,
+    /// A full matrix: 4 n² bytes.
+    Dense,
+    /// Compressed rows: 8 bytes an entry.
+    Sparse,
+}
+
+impl Storage {
+    /// y ← T x.
+    pub(super) fn multiply(&self, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
+        match self {
+            Storage::Dense(m) => multiply_dense(m, x, y),
+            Storage::Sparse(m) if x.ncols() == 1 => multiply_sparse::<1>(m, x, y),
+            Storage::Sparse(m) => multiply_sparse::<4>(m, x, y),
+        }
+    }
+
+    /// Multiplies every entry by `factor(i, j)`, which must be symmetric.
+    pub(super) fn scale_entries(&mut self, factor: impl Fn(usize, usize) -> f64 + Sync) {
+        let scaled = |value: f32, i: usize, j: usize| (f64::from(value) * factor(i, j)) as f32;
+        match self {
+            Storage::Dense(m) => {
+                let n = m.nrows();
+                let columns = m.as_mut_slice().par_chunks_mut(n).enumerate();
+                columns.for_each(|(i, column)| {
+                    column.iter_mut().enumerate().for_each(|(j, value)| *value = scaled(*value, i, j));
+                });
+            }
+            Storage::Sparse(m) => {
+                for (i, mut row) in m.outer_iterator_mut().enumerate() {
+                    row.iter_mut().for_each(|(j, value)| *value = scaled(*value, i, j));
+                }
+            }
+        }
+    }
+
+    /// Calls `f(j, T_ij)` for every entry of row i that is not zero.
+    pub(super) fn for_row(&self, i: usize, mut f: impl FnMut(usize, f32)) {
+        match self {
+            Storage::Dense(m) => {
+                m.column(i).iter().enumerate().filter(|(_, v)| **v != 0.0).for_each(|(j, &v)| f(j, v))
+            }
+            Storage::Sparse(m) => {
+                m.outer_view(i).iter().for_each(|row| row.iter().for_each(|(j, &v)| f(j, v)));
+            }
+        }
+    }
+}
+
+/// Rows of T in turn, each against a stretch of every column of x while the stretch is at hand.
+fn multiply_dense(m: &DMatrix<f32>, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
+    const STRETCH: usize = 512;
+    let (n, channels) = x.shape();
+    let mut rows = vec![0.0; n * channels];
+    rows.par_chunks_mut(channels).enumerate().for_each(|(i, sums)| {
+        let mut wide = [0.0f64; STRETCH];
+        for (k, stretch) in m.as_slice()[i * n..(i + 1) * n].chunks(STRETCH).enumerate() {
+            wide.iter_mut().zip(stretch).for_each(|(wide, &narrow)| *wide = f64::from(narrow));
+            for (c, sum) in sums.iter_mut().enumerate() {
+                let first = c * n + k * STRETCH;
+                *sum += dot(&wide[..stretch.len()], &x.as_slice()[first..first + stretch.len()]);
+            }
+        }
+    });
+    y.copy_from(&DMatrix::from_row_slice(n, channels, &rows));
+}
+
+/// A dot product in eight lanes, for the compiler to vectorise.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
+    let tail: f64 = chunks_a.remainder().iter().zip(chunks_b.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in chunks_a.zip(chunks_b) {
+        for k in 0..8 {
+            lanes[k] += a[k] * b[k];
+        }
+    }
+    lanes.iter().sum::<f64>() + tail
+}
+
+/// Rows of T in turn, `LANES` columns of x at a time, laid side by side so that an entry reads them in one go.
+fn multiply_sparse<const LANES: usize>(m: &CsMatI<f32, u32, usize>, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
+    let (n, channels) = x.shape();
+    let starts = m.proper_indptr();
+    let (indices, values) = (m.indices(), m.data());
+    for first in (0..channels).step_by(LANES) {
+        let used = LANES.min(channels - first);
+        let lane = |i: usize, k: usize| if k < used { x[(i, first + k)] } else { 0.0 };
+        let beside: Vec<[f64; LANES]> = (0..n).map(|i| std::array::from_fn(|k| lane(i, k))).collect();
+        let sums: Vec<[f64; LANES]> = (0..n)
+            .into_par_iter()
+            .with_min_len(64)
+            .map(|i| {
+                let mut sum = [0.0; LANES];
+                let range = starts[i]..starts[i + 1];
+                for (&j, &value) in indices[range.clone()].iter().zip(&values[range]) {
+                    let x = &beside[j as usize];
+                    for k in 0..LANES {
+                        sum[k] += f64::from(value) * x[k];
+                    }
+                }
+                sum
+            })
+            .collect();
+        for k in 0..used {
+            y.column_mut(first + k).iter_mut().zip(&sums).for_each(|(y, sum)| *y = sum[k]);
+        }
+    }
+}
