@@ -88,8 +88,9 @@ pub(super) fn lamp_shares(
     }
     // Scale the pairs to the unoccluded light, where that is known.
     let (m, n) = (count.lamp_rays as f64, count.rays as f64);
-    let scales =
-        view.unoccluded.map_or([1.0; BATCHES as usize], |unoccluded| batch_scales(unoccluded * m, &bright));
+    // A lamp may be seen from between the points of Lambert's formula only: then the pairs have to do by themselves.
+    let known = view.unoccluded.filter(|&light| light > 0.0);
+    let scales = known.map_or([1.0; BATCHES as usize], |light| batch_scales(light * m, &bright));
     // Weigh the two estimates against each other.
     let whole = scales.iter().sum::<f64>() / BATCHES as f64 * sum / m;
     let by_rays = whole / n;
