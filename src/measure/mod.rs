@@ -1,5 +1,7 @@
-//! Measure: how good an answer is.
+//! Measure: how good an answer is, and what it is made from.
 
 mod energy;
+mod health;
 
 pub use energy::Energy;
+pub use health::{Finding, Verdict, mesh_health, operator_health};
