@@ -4,6 +4,7 @@ mod commands; // what the program writes, prints and answers
 mod files; // what scene files mean, and how bad ones are refused
 mod form_factors; // closed forms, judged by standard errors
 mod hard_cases; // near-singular, tiny, huge, degenerate: every solver, both storages
+mod health; // what check finds, on sound scenes and on broken ones
 mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, an independent reference
 mod structure; // modules import only from their left
 

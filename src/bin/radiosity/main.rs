@@ -1,6 +1,7 @@
 //! The command-line program: translates arguments, calls the library, prints.
 
 mod args;
+mod check;
 mod render;
 mod solve;
 mod terminal;
@@ -29,6 +30,9 @@ enum Command {
     Solve(solve::Args),
     /// Make a picture of a scene
     Render(render::Args),
+    /// Look for what is wrong with a mesh: leaks, slivers, winding, lamps, closure, conditioning
+    #[command(mut_arg("patches", check::fewer), mut_arg("rays", check::usual))]
+    Check(check::Args),
 }
 
 fn main() -> ExitCode {
@@ -36,15 +40,18 @@ fn main() -> ExitCode {
     let run = match &cli.command {
         Command::Solve(args) => &args.run,
         Command::Render(args) => &args.run,
+        Command::Check(args) => &args.run,
     };
     let terminal = Terminal::new(run.quiet, run.json);
     let done = run.set_up(&terminal).and_then(|()| match &cli.command {
         Command::Solve(args) => solve::run(args, &terminal),
         Command::Render(args) => render::run(args, &terminal),
+        Command::Check(args) => check::run(args, &terminal),
     });
     terminal.clear();
     match done {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is::<check::Unhealthy>() => ExitCode::FAILURE,
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::FAILURE
