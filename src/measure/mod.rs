@@ -1,7 +1,9 @@
-//! Measure: how good an answer is.
+//! Measure: how good an answer is, and what it is made from.
 
 mod comparison;
 mod energy;
+mod health;
 
 pub use comparison::{ReferenceRow, RelativeRms};
 pub use energy::Energy;
+pub use health::{Finding, Verdict, mesh_health, operator_health};

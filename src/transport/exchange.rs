@@ -5,6 +5,7 @@
 //! to the last bit.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::assembly::{Raw, assemble};
 use super::balance::{self, Closure};
@@ -166,6 +167,23 @@ impl Exchange {
     pub fn for_row(&self, i: usize, mut f: impl FnMut(usize, f64)) {
         let scale = self.scale[i];
         self.storage.for_row(i, |j, raw| f(j, (scale * self.scale[j]) * raw as f64));
+    }
+
+    /// The largest |S_ij − S_ji| / min(A_i, A_j), recomputed; 0 unless something is damaged.
+    pub fn reciprocity_error(&self) -> f64 {
+        let error_of = |i: usize| {
+            let mut most = 0.0f64;
+            self.for_row(i, |j, s| {
+                let off = |other: f64| (s - other).abs() / self.areas[i].min(self.areas[j]);
+                // A dense row may be read as a column, which is the same only if all is well.
+                most = match &self.storage {
+                    Storage::Dense(_) => most.max(off(self.exchange_area(i, j))),
+                    Storage::Sparse(_) => most.max(off(self.exchange_area(j, i))),
+                };
+            });
+            most
+        };
+        (0..self.len()).into_par_iter().map(error_of).reduce(|| 0.0, f64::max)
     }
 
     /// The largest |D_i (T D)_i + S_i∞ − A_i| / A_i, recomputed.

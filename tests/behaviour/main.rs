@@ -5,6 +5,7 @@ mod files; // what scene files mean, and how bad ones are refused
 mod form_factor_files; // form factors as CSV, Matrix Market and NumPy files, and the command that writes them
 mod form_factors; // closed forms, judged by standard errors
 mod hard_cases; // near-singular, tiny, huge, degenerate: every solver, both storages
+mod health; // what check finds, on sound scenes and on broken ones
 mod lamp_columns; // direct light without bias
 mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, an independent reference
 mod structure; // modules import only from their left

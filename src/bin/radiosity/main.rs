@@ -1,6 +1,7 @@
 //! The command-line program: translates arguments, calls the library, prints.
 
 mod args;
+mod check;
 mod factors;
 mod form_factors;
 mod render;
@@ -37,6 +38,9 @@ enum Command {
     /// Solves it as solve does, and writes image.png only.
     Render(render::Args),
     FormFactors(form_factors::Args),
+    /// Look for what is wrong with a mesh: leaks, slivers, winding, lamps, closure, conditioning
+    #[command(mut_arg("patches", check::fewer), mut_arg("rays", check::usual))]
+    Check(check::Args),
 }
 
 fn main() -> ExitCode {
@@ -45,16 +49,19 @@ fn main() -> ExitCode {
         Command::Solve(args) => &args.run,
         Command::Render(args) => &args.run,
         Command::FormFactors(args) => &args.run,
+        Command::Check(args) => &args.run,
     };
     let terminal = Terminal::new(run.quiet, run.json);
     let done = run.set_up(&terminal).and_then(|()| match &cli.command {
         Command::Solve(args) => solve::run(args, &terminal),
         Command::Render(args) => render::run(args, &terminal),
         Command::FormFactors(args) => form_factors::run(args, &terminal),
+        Command::Check(args) => check::run(args, &terminal),
     });
     terminal.clear();
     match done {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is::<check::Unhealthy>() => ExitCode::FAILURE,
         Err(error) => {
             terminal.complain(format_args!("error: {error}"));
             ExitCode::FAILURE

@@ -1,0 +1,191 @@
+//! Leaks: light that leaves a place which is all but closed.
+//!
+//! Light is followed from the lamps until it is absorbed or escapes. An open scene loses much of it, a closed one none. Where a little
+//! escapes, the last rays of its paths are tilted more and more until they meet what is beside the opening, which tells a narrow
+//! gap from a window. Without lamps every patch glows.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{Finding, Verdict, shape};
+use crate::patches::{Facet, Patches};
+use crate::scene::Side;
+use crate::trace::sampling::{self, SEQUENCE_END, Sequence};
+use crate::trace::{Ray, Tracer};
+
+/// Paths of light that are followed, and after how many bounces they are given up.
+const PATHS: u32 = SEQUENCE_END;
+const BOUNCES: u64 = 64;
+
+/// The streams of random sequences, one a bounce; apart from all others.
+const STREAM: u64 = 1 << 44;
+
+/// From this share on a scene is open.
+const OPEN: f64 = 0.1;
+
+/// Below this share a narrow gap is an oversight.
+const OVERSIGHT: f64 = 0.05;
+
+/// A gap is narrow up to this width, relative to the scene's extent.
+const NARROW: f64 = 0.01;
+
+/// Escaping rays whose openings are measured.
+const MEASURED: usize = 2000;
+
+/// Axes along which an escaping ray is tilted, and the tangents of the angles, each twice the one before.
+const AXES: usize = 4;
+const TILTS: [f64; 9] = [1.0 / 256.0, 1.0 / 128.0, 1.0 / 64.0, 1.0 / 32.0, 1.0 / 16.0, 0.125, 0.25, 0.5, 1.0];
+
+/// Which share of the light of lamps escapes.
+///
+/// Without lamps the insides and outsides of all things glow, and a leak shows only in a scene that has hardly an outside.
+pub(super) fn leaks(tracer: &Tracer, patches: &Patches, seed: u64) -> Finding {
+    let starts = Starts::new(tracer, patches);
+    let follow = |path| starts.of(path).and_then(|start| last_ray(tracer, start, seed, path));
+    let escaping: Vec<Ray> = (0..PATHS).into_par_iter().filter_map(follow).collect();
+    let share = escaping.len() as f64 / f64::from(PATHS);
+    let finding = Finding::good("leaks", share, Some("of light escapes"));
+    if share == 0.0 || share >= OPEN {
+        return finding;
+    }
+    let (width, beside) = openings(tracer, &escaping);
+    let wide = format!("{} m wide", short(width * tracer.frame().scale()));
+    match (width < 2.0 * NARROW, share < OVERSIGHT) {
+        (true, true) => finding.but(
+            Verdict::Bad,
+            beside,
+            format!(
+                "light is lost through gaps about {wide} beside these faces: weld vertices that should coincide, or move one \
+                 surface until it overlaps the other"
+            ),
+        ),
+        (true, false) => finding.but(
+            Verdict::Note,
+            beside,
+            format!("much through gaps about {wide} beside these faces: fine for blinds and grilles, else close them"),
+        ),
+        (false, _) => finding.but(
+            Verdict::Note,
+            beside,
+            format!(
+                "through openings about {wide} beside these faces: fine for doors and windows, else a face is missing there"
+            ),
+        ),
+    }
+}
+
+/// A length with one significant digit.
+fn short(metres: f64) -> String {
+    let magnitude = metres.max(1e-12).log10().floor() as i32;
+    format!("{metres:.*}", -magnitude.min(0) as usize)
+}
+
+/// Where light comes from.
+struct Starts {
+    facets: Vec<Facet>,
+    /// Per facet: the power of it and of those before.
+    power: Vec<f64>,
+}
+
+impl Starts {
+    /// The fronts of lamps; without lamps, all patches.
+    fn new(tracer: &Tracer, patches: &Patches) -> Self {
+        let scene = tracer.scene();
+        let emission = |face: usize| scene.material_of(face).emission.iter().sum::<f64>();
+        let lamps = shape::kept(scene).filter(|&face| emission(face) > 0.0).map(|face| {
+            let facet = Facet {
+                face: face as u32,
+                corners: *tracer.corners(face),
+                normal: tracer.normal(face, Side::Front),
+            };
+            (facet, emission(face))
+        });
+        let mut glowing: Vec<(Facet, f64)> = lamps.collect();
+        if glowing.is_empty() {
+            let slots = (0..patches.len()).map(|i| patches.slot_of_patch(i));
+            glowing = slots.map(|slot| (patches.facet(tracer, slot), 1.0)).collect();
+        }
+        let mut total = 0.0;
+        let power = glowing.iter().map(|(facet, radiance)| {
+            let [a, b, c] = facet.corners;
+            total += radiance * (b - a).cross(c - a).length();
+            total
+        });
+        Self { power: power.collect(), facets: glowing.into_iter().map(|(facet, _)| facet).collect() }
+    }
+
+    /// Where a path starts; each facet has as many as is its share of the power.
+    fn of(&self, path: u32) -> Option<Facet> {
+        let power = self.power.last()? * (f64::from(path) + 0.5) / f64::from(PATHS);
+        self.facets.get(self.power.partition_point(|&sum| sum <= power)).copied()
+    }
+}
+
+/// The ray by which a path escapes, if it does.
+fn last_ray(tracer: &Tracer, start: Facet, seed: u64, path: u32) -> Option<Ray> {
+    let sequence = |bounce: u64| Sequence::new(seed, STREAM + bounce, 0);
+    let mut ray = start.rays(sequence(0), path..path + 1).next()?;
+    for bounce in 1..=BOUNCES {
+        let Some(hit) = tracer.closest_hit(&ray) else { return Some(ray) };
+        let face = hit.face as usize;
+        let [x, y, lives, _] = sequence(bounce).point(path);
+        let reflectance = &tracer.scene().material_of(face).reflectance;
+        if lives >= reflectance.iter().sum::<f64>() / reflectance.len() as f64 {
+            break;
+        }
+        let [a, b, c] = *tracer.corners(face);
+        let [u, v] = hit.barycentrics;
+        let frame = sampling::frame_around(tracer.normal(face, hit.side));
+        let direction = frame * sampling::cosine_hemisphere([x, y]);
+        ray = Ray { origin: a + (b - a) * u + (c - a) * v, direction, from: hit.face };
+    }
+    None
+}
+
+/// The median width of the openings through which rays escape, normalised, and the faces beside the narrower half of
+/// them, the most often met first.
+fn openings(tracer: &Tracer, escaping: &[Ray]) -> (f64, Vec<usize>) {
+    let step = escaping.len().div_ceil(MEASURED).max(1);
+    let chosen = escaping.par_iter().step_by(step);
+    let mut openings: Vec<Opening> = chosen.map(|ray| opening(tracer, ray)).collect();
+    openings.sort_by(|a, b| a.width.total_cmp(&b.width));
+    let width = openings.get(openings.len() / 2).map_or(f64::INFINITY, |opening| opening.width);
+    let mut faces: Vec<u32> =
+        openings.iter().take(openings.len() / 2 + 1).flat_map(|opening| opening.beside).flatten().collect();
+    faces.sort_unstable();
+    let mut votes: Vec<&[u32]> = faces.chunk_by(|a, b| a == b).collect();
+    votes.sort_by_key(|votes| std::cmp::Reverse(votes.len()));
+    (width, votes.into_iter().map(|votes| votes[0] as usize).collect())
+}
+
+/// What a ray escapes through: how wide it is where it is narrowest, and the faces on either side there.
+struct Opening {
+    width: f64,
+    beside: [Option<u32>; 2],
+}
+
+fn opening(tracer: &Tracer, ray: &Ray) -> Opening {
+    let along = |axis: usize| {
+        let (sine, cosine) = (std::f64::consts::PI * axis as f64 / AXES as f64).sin_cos();
+        let ways = [1.0, -1.0].map(|sign| edge_of(tracer, ray, [sign * cosine, sign * sine]));
+        let half = |way: usize| ways[way].map_or(f64::INFINITY, |edge| edge.0);
+        Opening { width: half(0) + half(1), beside: ways.map(|edge| edge.map(|edge| edge.1)) }
+    };
+    let widest = Opening { width: f64::INFINITY, beside: [None; 2] };
+    (0..AXES).map(along).fold(widest, |best, next| if next.width < best.width { next } else { best })
+}
+
+/// How far beside a ray, in direction [x, y] across it, it would first be stopped, and by which face.
+fn edge_of(tracer: &Tracer, ray: &Ray, [x, y]: [f64; 2]) -> Option<(f64, u32)> {
+    let frame = sampling::frame_around(ray.direction);
+    let normal = tracer.normal(ray.from as usize, Side::Front);
+    TILTS.iter().find_map(|tilt| {
+        let direction = (frame * DVec3::new(tilt * x, tilt * y, 1.0)).normalize();
+        if normal.dot(direction) * normal.dot(ray.direction) <= 0.0 {
+            // It would start into the face that it leaves: that face is the side of the opening.
+            return Some((0.0, ray.from));
+        }
+        let hit = tracer.closest_hit(&Ray { direction, ..*ray })?;
+        Some((hit.distance * tilt / (1.0 + tilt * tilt).sqrt(), hit.face))
+    })
+}

@@ -1,0 +1,149 @@
+//! The operator's health: closure, reciprocity, row sums, ‖K‖∞ and the condition of I − K.
+
+use nalgebra::DMatrix;
+
+use super::{Finding, Verdict};
+use crate::patches::Patches;
+use crate::progress::Progress;
+use crate::solve::{Amplification, CgOptions, SolveError};
+use crate::transport::{Exchange, FormFactors, Transport, TransportError};
+
+/// What rounding may do to a sum of shares.
+const ROUNDING: f64 = 1e-9;
+
+/// Energy that may go missing before results show it.
+const TOLERABLE: f64 = 0.01;
+
+/// Condition numbers up to which six digits of a solution, and any, are safe.
+const WELL: f64 = 1e3;
+const ILL: f64 = 1e6;
+
+/// The health of form factors and of the operator that they make with the scene's own reflectances.
+///
+/// A scene that traps light for ever is a bad finding, `condition`, and no error.
+///
+/// # Errors
+/// `Cancelled`.
+pub fn operator_health(
+    factors: &FormFactors,
+    patches: &Patches,
+    progress: Progress,
+) -> Result<Vec<Finding>, SolveError> {
+    let exchange = factors.exchange();
+    let mut findings = vec![closure(exchange, patches), reciprocity(exchange), row_sums(exchange, patches)];
+    match Transport::of(factors, patches) {
+        Ok(k) => {
+            findings.push(norm(&k));
+            findings.push(condition(&k, patches, progress)?);
+        }
+        Err(error) => findings.push(unsolvable(&error, patches)),
+    }
+    Ok(findings)
+}
+
+/// The most that a row, with what escapes, is off from its patch's area, relative to that.
+fn closure(exchange: &Exchange, patches: &Patches) -> Finding {
+    let value = exchange.closure_error();
+    let finding = Finding::good("closure", value, Some("of light gained or lost"));
+    if value < ROUNDING {
+        return finding;
+    }
+    let sums = sums(exchange);
+    let off = |i: usize| (sums[i] + exchange.escape()[i] - exchange.areas()[i]).abs() / exchange.areas()[i];
+    let verdict = if value < TOLERABLE { Verdict::Fair } else { Verdict::Bad };
+    let remedy =
+        "too few rays to share out all light between these faces and what they see: trace more (--rays)";
+    finding.but(verdict, worst_faces(patches, off, ROUNDING), remedy)
+}
+
+/// The greatest |S_ij − S_ji| relative to the lesser area.
+fn reciprocity(exchange: &Exchange) -> Finding {
+    let value = exchange.reciprocity_error();
+    let finding = Finding::good("reciprocity", value, Some("of light one way only"));
+    if value == 0.0 {
+        return finding;
+    }
+    let remedy = "exchange areas differ between to and fro: the form factors are damaged; trace them anew";
+    finding.but(Verdict::Bad, [], remedy)
+}
+
+/// The greatest sum of a patch's form factors, 1 in a closed place.
+fn row_sums(exchange: &Exchange, patches: &Patches) -> Finding {
+    let sums = sums(exchange);
+    let sum = |i: usize| sums[i] / exchange.areas()[i];
+    let value = (0..exchange.len()).map(sum).fold(0.0, f64::max);
+    let finding = Finding::good("row sums", value, Some("at most"));
+    if value <= 1.0 + ROUNDING {
+        return finding;
+    }
+    let remedy = "these faces give out more than they get: trace more rays (--rays)";
+    finding.but(Verdict::Bad, worst_faces(patches, sum, 1.0 + ROUNDING), remedy)
+}
+
+/// ‖K‖∞, the largest share of what arrives anywhere that is reflected to where it is not lost.
+fn norm(k: &Transport) -> Finding {
+    let value = k.norm().into_iter().fold(0.0, f64::max);
+    let finding = Finding::good("‖K‖∞", value, None);
+    if value <= 1.0 + ROUNDING {
+        return finding;
+    }
+    finding.but(Verdict::Bad, [], "a bounce adds energy: trace more rays (--rays)")
+}
+
+/// A bound on the condition number of I − K: by how much an error of its entries can grow.
+fn condition(k: &Transport, patches: &Patches, progress: Progress) -> Result<Finding, SolveError> {
+    let value = Amplification::new(k, &CgOptions { progress, ..Default::default() })?.condition();
+    let finding = Finding::good("condition", value, Some("at most"));
+    if value < WELL {
+        return Ok(finding);
+    }
+    let (brightest, reflectance) = brightest(patches);
+    let remedy = format!(
+        "light goes on almost for ever, and small errors of reflectances become large ones of the answer; lower the reflectance of \
+         {brightest} ({reflectance}), which few real surfaces have"
+    );
+    let verdict = if value < ILL { Verdict::Fair } else { Verdict::Bad };
+    Ok(finding.but(verdict, [], remedy))
+}
+
+fn unsolvable(error: &TransportError, patches: &Patches) -> Finding {
+    let TransportError::Unsolvable { materials } = error else {
+        return Finding::good("condition", f64::INFINITY, None).but(Verdict::Bad, [], error.to_string());
+    };
+    let scene = patches.scene();
+    let traps = |face: usize| materials.contains(&scene.material_of(face).name);
+    let mut faces: Vec<usize> =
+        (0..patches.len()).map(|i| patches.place(i).face).filter(|&f| traps(f)).collect();
+    faces.dedup();
+    Finding::good("condition", f64::INFINITY, None).but(Verdict::Bad, faces, error.to_string())
+}
+
+/// The material that reflects most, and its reflectance.
+fn brightest<'s>(patches: &Patches<'s>) -> (&'s str, f64) {
+    let scene = patches.scene();
+    let most = |face: usize| scene.material_of(face).reflectance.iter().copied().fold(0.0, f64::max);
+    let faces = (0..patches.len()).map(|i| patches.place(i).face);
+    let brightest = faces.max_by(|&a, &b| most(a).total_cmp(&most(b)));
+    brightest.map_or(("nothing", 0.0), |face| (&scene.material_of(face).name, most(face)))
+}
+
+/// Σ_j S_ij.
+fn sums(exchange: &Exchange) -> DMatrix<f64> {
+    let mut sums = DMatrix::zeros(exchange.len(), 1);
+    exchange.apply(&DMatrix::repeat(exchange.len(), 1, 1.0), &mut sums);
+    sums
+}
+
+/// The faces of patches whose value exceeds `limit`, the worst first, each once.
+fn worst_faces(patches: &Patches, value: impl Fn(usize) -> f64, limit: f64) -> Vec<usize> {
+    let mut over: Vec<(f64, usize)> =
+        (0..patches.len()).map(|i| (value(i), patches.place(i).face)).filter(|x| x.0 > limit).collect();
+    over.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut faces = Vec::new();
+    for (_, face) in over {
+        if faces.len() < Finding::MOST_FACES && !faces.contains(&face) {
+            faces.push(face);
+        }
+    }
+    faces
+}

@@ -1,0 +1,132 @@
+//! Shape: faces that are no triangles, twice there, or all but flat; and how large the whole is.
+
+use std::collections::HashMap;
+
+use super::{Finding, Verdict};
+use crate::scene::{FaceState, Scene};
+use crate::trace::Tracer;
+
+/// Scenes outside these extents, metres, are likely given in another unit.
+const PLAUSIBLE: std::ops::Range<f64> = 0.02..300.0;
+
+/// Longest edge over height: what meshing tools avoid, and what arithmetic notices.
+const SLIVER: f64 = 1e3;
+const NEEDLE: f64 = 1e6;
+
+/// The longest side of the box around the scene, metres.
+pub(super) fn size(tracer: &Tracer) -> Finding {
+    let extent = 2.0 * tracer.frame().scale();
+    let finding = Finding::good("size", extent, Some("m"));
+    if PLAUSIBLE.contains(&extent) {
+        return finding;
+    }
+    finding.but(
+        Verdict::Note,
+        [],
+        "unusual for a place to be lit: if the file is not in metres, set `unit` (metres per unit of the file) in the .toml beside \
+         it; radiance and irradiance stay the same, powers grow with its square",
+    )
+}
+
+/// The kept faces' numbers.
+pub(super) fn kept(scene: &Scene) -> impl Iterator<Item = usize> {
+    with_state(scene, FaceState::Kept)
+}
+
+fn with_state(scene: &Scene, state: FaceState) -> impl Iterator<Item = usize> {
+    scene.faces().iter().enumerate().filter(move |(_, face)| face.state == state).map(|(number, _)| number)
+}
+
+/// How many faces were dropped because their corners lie on a line.
+pub(super) fn zero_area(scene: &Scene) -> Finding {
+    let count = with_state(scene, FaceState::ZeroArea).count();
+    let finding = Finding::good("zero-area faces", count as f64, Some("faces"));
+    if count == 0 {
+        return finding;
+    }
+    let found = with_state(scene, FaceState::ZeroArea);
+    finding.but(
+        Verdict::Note,
+        found,
+        "they are left out, which changes no light; delete them to be rid of this",
+    )
+}
+
+/// How many faces were dropped because an earlier one has the same corners; bad if light is lost with them.
+pub(super) fn duplicates(scene: &Scene) -> Finding {
+    let dropped: Vec<usize> = with_state(scene, FaceState::Duplicate).collect();
+    let finding = Finding::good("duplicate faces", dropped.len() as f64, Some("faces"));
+    if dropped.is_empty() {
+        return finding;
+    }
+    let dark = lost_lamps(scene, &dropped);
+    if dark.is_empty() {
+        let remedy = "the first of each is used and the others are left out; delete them, or move them if they are meant to be \
+                      the two sides of something thick";
+        return finding.but(Verdict::Note, dropped, remedy);
+    }
+    let remedy = "some of them emit, but the face that is used in their place does not, or faces the other way, so that their \
+                  light is lost; delete the faces under the lamps, or move the lamps off them";
+    finding.but(Verdict::Bad, dark, remedy)
+}
+
+/// Dropped faces that emit where the face that acts in their place does not, or turns its front elsewhere.
+fn lost_lamps(scene: &Scene, dropped: &[usize]) -> Vec<usize> {
+    let key = |face: usize| {
+        let mut corners = scene.corners(face).map(|p| p.to_array().map(|x| (x + 0.0).to_bits()));
+        corners.sort_unstable();
+        corners
+    };
+    let lost = dropped.iter().copied().filter(|&face| scene.material_of(face).emits());
+    let mut lost: HashMap<_, Vec<usize>> = lost.fold(HashMap::new(), |mut all, face| {
+        all.entry(key(face)).or_insert_with(Vec::new).push(face);
+        all
+    });
+    if lost.is_empty() {
+        return Vec::new();
+    }
+    let normal = |face: usize| {
+        let [a, b, c] = scene.corners(face);
+        (b - a).cross(c - a)
+    };
+    for acting in kept(scene).filter(|&face| scene.material_of(face).emits()) {
+        if let Some(faces) = lost.get_mut(&key(acting)) {
+            faces.retain(|&face| normal(face).dot(normal(acting)) < 0.0);
+        }
+    }
+    let mut dark: Vec<usize> = lost.into_values().flatten().collect();
+    dark.sort_unstable();
+    dark
+}
+
+/// The greatest aspect, longest edge over height, of any face.
+pub(super) fn slivers(tracer: &Tracer) -> Finding {
+    let aspect = |face: usize| {
+        let [a, b, c] = *tracer.corners(face);
+        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+        longest / (b - a).cross(c - a).length()
+    };
+    let mut all: Vec<(f64, usize)> = kept(tracer.scene()).map(|face| (aspect(face), face)).collect();
+    all.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
+    let worst = all.first().map_or(1.0, |x| x.0);
+    let finding = Finding::good("slivers", worst, Some("longest edge / height"));
+    let slivers = all.partition_point(|x| x.0 > SLIVER);
+    if slivers == 0 {
+        return finding;
+    }
+    let finding = Finding { count: Some(slivers), ..finding };
+    let faces = all[..slivers].iter().map(|x| x.1);
+    match worst > NEEDLE {
+        true => finding.but(
+            Verdict::Bad,
+            faces,
+            "the thinnest are lines to the arithmetic and their normals are rounding: collapse their shortest edges, or \
+             remesh there",
+        ),
+        false => finding.but(
+            Verdict::Note,
+            faces,
+            "safe, but patches on them are long and thin and resolve shadows badly; remesh there if that is where you look",
+        ),
+    }
+}
