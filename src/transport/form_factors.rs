@@ -88,7 +88,7 @@ impl TraceOptions<'_> {
         Ok(())
     }
 
-    /// Rays per patch where none are asked for: 512, and fewer from 8192 patches on, but never less than 64, for a face that is
+    /// Rays per patch where none are asked for: 512, and fewer from 16384 patches on, but never less than 64, for a face that is
     /// cut into many patches averages their noise.
     pub fn usual_rays(patches: usize) -> u32 {
         ((1 << 22) / patches.max(1) as u32).clamp(64, 512).next_power_of_two()

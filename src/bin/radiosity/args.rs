@@ -59,7 +59,7 @@ pub struct AccuracyArgs {
     #[arg(long, value_name = "METRES", conflicts_with = "patches", value_parser = positive_length)]
     edge: Option<f64>,
 
-    /// Rays per patch [default: 512; from 8192 patches on fewer, but at least 64]
+    /// Rays per patch [default: 512; from 16384 patches on fewer, but at least 64]
     #[arg(long, value_name = "N")]
     rays: Option<u32>,
 

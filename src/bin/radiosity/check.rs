@@ -42,7 +42,7 @@ pub fn fewer(patches: clap::Arg) -> clap::Arg {
 
 /// Fewer rays than where light is solved for.
 pub fn usual(rays: clap::Arg) -> clap::Arg {
-    rays.help("Rays per patch [default: 128; from 32768 patches on 64]")
+    rays.help("Rays per patch [default: 128; from 65536 patches on 64]")
 }
 
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
