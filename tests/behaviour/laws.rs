@@ -4,10 +4,12 @@ use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
 use radiosity::measure::{Energy, ReferenceRow, RelativeRms};
 use radiosity::patches::{PatchSize, Patches, Tessellation};
-use radiosity::scene::{Scene, SceneParts, Side};
-use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Solution};
+use radiosity::scene::{Material, Scene, SceneParts, Side};
+use radiosity::solve::{self, CgOptions, DirectOptions, Method, NeumannOptions, Solution, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{Exchange, FormFactors, StorageKind, TraceOptions, Transport};
+
+use crate::scenes::{quads, room};
 
 const MESHES: [&str; 6] =
     ["cornell_box", "furnace_cube", "furnace_sphere", "facing_plates", "two_rooms", "furnished_room"];
@@ -293,4 +295,25 @@ fn the_cornell_box_agrees_with_an_independent_path_tracer() {
         .collect();
     let rms = RelativeRms::of(&faces, &reference);
     assert!(rms.compared == 3 * 38 && rms.value < 0.005, "{rms:?}");
+}
+
+#[test]
+fn lamp_groups_add_up_to_the_whole() {
+    let panel = |x: f64| [[x, 0.9, 0.4], [x + 0.2, 0.9, 0.4], [x + 0.2, 0.9, 0.6], [x, 0.9, 0.6]];
+    let walls = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
+    let all: Vec<_> = walls.into_iter().chain([(panel(0.1), 1), (panel(0.7), 2)]).collect();
+    let lamp = |name: &str, emission: [f64; 3]| Material::lamp(name, &[0.2, 0.1, 0.0], &emission);
+    let wall = Material::diffuse("wall", &[0.7, 0.5, 0.3]);
+    let scene = quads(&all, vec![wall, lamp("warm", [5.0, 3.0, 1.0]), lamp("cold", [1.0, 3.0, 5.0])]);
+    let (patches, factors) = factors(&scene, 400, 64, StorageKind::Auto);
+    let k = Transport::of(&factors, &patches).unwrap();
+    let groups = patches.sources_by_material();
+    assert_eq!(groups.iter().map(|g| g.material.as_str()).collect::<Vec<_>>(), ["warm", "cold"]);
+    let whole = patches.sources();
+    for method in [Method::Direct, Method::ConjugateGradients, Method::Neumann] {
+        let options = SolveOptions { method, tolerance: 1e-10, ..Default::default() };
+        let all = solve::solve_all(&k, &[&whole, &groups[0].sources, &groups[1].sources], &options).unwrap();
+        assert!(difference(&(&all[1].radiance + &all[2].radiance), &all[0].radiance) < 1e-8, "{method:?}");
+        assert!(difference(&(&all[1].irradiance + &all[2].irradiance), &all[0].irradiance) < 1e-8);
+    }
 }
