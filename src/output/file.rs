@@ -101,7 +101,8 @@ fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     let ordinary = <std::fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666);
     #[cfg(unix)]
     builder.permissions(ordinary);
-    builder.tempfile_in(folder)
+    // The name of a file that never was helps no one: keep only what the system says.
+    builder.tempfile_in(folder).map_err(|e| io::Error::from(e.kind()))
 }
 
 #[cfg(test)]

@@ -8,8 +8,8 @@ mod hard_cases; // near-singular, tiny, huge, degenerate: every solver, both sto
 mod health; // what check finds, on sound scenes and on broken ones
 mod lamp_columns; // direct light without bias
 mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, an independent reference
+mod saved_factors; // what may change around saved form factors, and what may not
 mod structure; // modules import only from their left
 
-mod saved_factors; // what may change around saved form factors, and what may not
 mod scenes; // small scenes, made on the spot
 mod scratch; // a temporary folder for all of them
