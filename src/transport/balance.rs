@@ -7,7 +7,7 @@
 //! found by Newton's method, each step by conjugate gradients (after Knight & Ruiz 2013). Alternate scaling of rows and
 //! columns would need thousands of passes in a flat box; Newton needs about ten steps of a few passes.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::storage::Storage;
 use crate::progress::{Cancelled, Progress};
@@ -55,10 +55,7 @@ impl Problem<'_> {
     /// diag(d) T diag(d) x
     fn scaled(&mut self, d: &DVector<f64>, x: &DVector<f64>) -> DVector<f64> {
         self.passes += 1;
-        let x = DMatrix::from_column_slice(x.len(), 1, x.component_mul(d).as_slice());
-        let mut y = DMatrix::zeros(x.nrows(), 1);
-        self.storage.multiply(&x, &mut y);
-        DVector::from_column_slice(y.as_slice()).component_mul(d)
+        self.storage.times(&x.component_mul(d)).component_mul(d)
     }
 
     fn state(&mut self, log_scale: DVector<f64>) -> State {
@@ -115,22 +112,16 @@ pub(super) fn balance_around_lamps(
     let one = |yes: bool| f64::from(u8::from(yes));
     let lamps = DVector::from_iterator(n, is_lamp.iter().map(|&lamp| one(lamp)));
     let others = lamps.map(|lamp| 1.0 - lamp);
-    let through = |storage: &Storage, x: &DVector<f64>| {
-        let x = DMatrix::from_column_slice(n, 1, x.as_slice());
-        let mut y = DMatrix::zeros(n, 1);
-        storage.multiply(&x, &mut y);
-        DVector::from_column_slice(y.as_slice())
-    };
     let start = DVector::repeat(n, 1.0);
     let raw =
         Problem::new(storage, escape, areas.clone(), DVector::repeat(n, 1.0)).state(DVector::zeros(n)).error;
 
-    let to_others = escape + through(storage, &others);
+    let to_others = escape + storage.times(&others);
     let mut closing = Problem::new(storage, &to_others, areas.clone(), lamps.clone());
     let lamp_scale = closing.solve(&start, progress)?.scale;
 
     // A row that lamps all but fill has next to nothing else to share out: there lamps and rays are scaled alike.
-    let from_lamps = through(storage, &lamp_scale);
+    let from_lamps = storage.times(&lamp_scale);
     let flooded: Vec<bool> = (0..n).map(|i| from_lamps[i] > 0.95 * areas[i]).collect();
     let left_alone = |i: usize| !is_lamp[i] && !flooded[i];
     let target = DVector::from_fn(n, |i, _| areas[i] - if left_alone(i) { from_lamps[i] } else { 0.0 });
@@ -212,6 +203,8 @@ fn advance(problem: &mut Problem, from: &State, step: &DVector<f64>) -> Option<S
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DMatrix;
+
     use super::*;
 
     fn balance_dense(

@@ -1,6 +1,6 @@
 //! Storage: a symmetric n × n matrix of non-negative f32, dense or sparse, and its product with vectors.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sprs::CsMatI;
 
@@ -33,6 +33,13 @@ impl Storage {
             Storage::Sparse(m) if x.ncols() == 1 => multiply_sparse::<1>(m, x, y),
             Storage::Sparse(m) => multiply_sparse::<4>(m, x, y),
         }
+    }
+
+    /// T x for a single vector.
+    pub(super) fn times(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut y = DMatrix::zeros(x.len(), 1);
+        self.multiply(&DMatrix::from_column_slice(x.len(), 1, x.as_slice()), &mut y);
+        y.column(0).into_owned()
     }
 
     /// Multiplies every entry by `factor(i, j)`, which must be symmetric.
