@@ -70,7 +70,9 @@ pub(super) fn faces(patches: &Patches, field: &DMatrix<f64>, reference: &PathTra
     let rows = patches.average_by_face(field).into_iter().zip(reference.by_face(patches));
     rows.map(|(face, known)| Place {
         area: face.area,
-        channels: (0..face.mean.len()).map(|c| [face.mean[c], known.mean[c], known.standard_error[c]]).collect(),
+        channels: (0..face.mean.len())
+            .map(|c| [face.mean[c], known.mean[c], known.standard_error[c]])
+            .collect(),
         degrees_of_freedom: patches
             .patches_of(face.face, face.side)
             .map(|i| reference.degrees_of_freedom(i))
@@ -130,7 +132,7 @@ impl Difference {
             bias_error: relative(bias.iter().map(|b| b[1].sqrt()).sum()),
             worst,
             chance: [
-                chance_of_mean_square(excess + noise, noise, noise_variance),
+                chance_of_mean_square(excess + noise, noise, noise_variance.max(spread(places, excess))),
                 chance_of_means(&bias),
                 places.get(worst.place).map_or(1.0, |place| {
                     chance_of_one(worst.z, place.degrees_of_freedom, places.len() * channels)
@@ -166,6 +168,17 @@ pub(super) fn typical_error(places: &[Place]) -> f64 {
     let sum = |value: &dyn Fn(&Place) -> f64| places.iter().map(value).sum::<f64>();
     let squares = sum(&|p| p.area * p.channels.iter().map(|c| c[2] * c[2]).sum::<f64>());
     (squares / sum(&|p| p.area * p.channels.len() as f64).max(f64::MIN_POSITIVE)).sqrt()
+}
+
+/// Variance of ΣA(d² − se²) = `excess` as its own terms show it: noise may have longer tails than the normal distribution.
+fn spread(places: &[Place], excess: f64) -> f64 {
+    let mean = excess / places.iter().map(|place| place.area).sum::<f64>().max(f64::MIN_POSITIVE);
+    let of = |place: &Place| {
+        let here: f64 =
+            place.channels.iter().map(|&[value, mean, error]| (value - mean).powi(2) - error * error).sum();
+        (place.area * (here - mean)).powi(2)
+    };
+    places.iter().map(of).sum()
 }
 
 /// Of ΣA d² to be so large if its mean is ΣA se² and its variance known: a scaled χ² of as many degrees of freedom as these

@@ -1,9 +1,9 @@
 //! Estimate: means, standard errors and counts of what paths have found so far.
 //!
 //! Paths come in *batches* of [`BATCH`], the points of one scrambled sequence; batches are independent, and their means are what
-//! standard errors are made of. The batches of a patch belong to two halves, and how many more a half gets is decided by what the *other* half
-//! has found: so what a patch happens to draw never decides how often it is drawn again, which would bias its mean (Kirk &
-//! Arvo 1991). The estimate is the plain mean of both halves.
+//! standard errors are made of. The batches of a patch belong to two halves, and how many a half gets is decided by what the first round of
+//! the *other* half has found: so what a patch happens to draw never decides how often it is drawn again, which would bias its mean
+//! (Kirk & Arvo 1991). The estimate is the plain mean of both halves.
 
 use nalgebra::DMatrix;
 
@@ -33,6 +33,8 @@ pub(super) struct Half {
     pub batches: Vec<u32>,
     /// Per patch, then bounce (the last is all bounces together), then channel: sum of batch means, and of their squares.
     pub sums: Vec<[f64; 2]>,
+    /// Per patch: √A σ of the first round, by which the other half's paths are shared out; none before it.
+    pub spread: Vec<f64>,
 }
 
 /// A mean with its standard error.
@@ -46,11 +48,11 @@ pub struct Estimate {
 
 impl Half {
     pub fn new(patches: usize, values: usize) -> Self {
-        Self { batches: vec![0; patches], sums: vec![[0.0; 2]; patches * values] }
+        Self { batches: vec![0; patches], sums: vec![[0.0; 2]; patches * values], spread: Vec::new() }
     }
 
     /// Mean and variance of one value's batch means; variance 0 of fewer than two.
-    pub fn moments(&self, patch: usize, value: usize, values: usize) -> (f64, f64) {
+    fn moments(&self, patch: usize, value: usize, values: usize) -> (f64, f64) {
         let n = f64::from(self.batches[patch]);
         let [sum, squares] = self.sums[patch * values + value];
         let mean = sum / n.max(1.0);
@@ -64,6 +66,18 @@ impl PathTraced {
         let half = Half::new(areas.len(), (bounces + 1) * channels);
         let halves = [half.clone(), half];
         Self { channels, bounces, halves, areas: areas.to_vec(), paths: 0, seconds: 0.0 }
+    }
+
+    /// Notes how much patches vary, once the first round is done.
+    pub(super) fn note_spread(&mut self) {
+        let (channels, total, values) =
+            (self.channels, self.bounces * self.channels, (self.bounces + 1) * self.channels);
+        for half in self.halves.iter_mut().filter(|half| half.spread.is_empty()) {
+            let variance =
+                |i: usize| (0..channels).map(|c| half.moments(i, total + c, values).1).sum::<f64>();
+            half.spread =
+                self.areas.iter().enumerate().map(|(i, area)| (area * variance(i)).sqrt()).collect();
+        }
     }
 
     /// Number of patches n.

@@ -146,6 +146,7 @@ impl<'t, 's> PathTracer<'t, 's> {
                 _ => next_round(estimate, used),
             };
             self.walk(patches, estimate, &round, used, options)?;
+            estimate.note_spread();
             estimate.seconds = before + began.elapsed().as_secs_f64();
             used = budget.used(estimate, began.elapsed().as_secs_f64(), estimate.paths - known);
         }
@@ -166,7 +167,7 @@ impl<'t, 's> PathTracer<'t, 's> {
         let mut halves = estimate.halves.clone();
         let mut paths = 0;
         for (h, (half, more)) in halves.iter_mut().zip(round).enumerate() {
-            let Half { batches, sums } = half;
+            let Half { batches, sums, .. } = half;
             let rows = sums.chunks_mut(CHUNK * values).zip(batches.chunks_mut(CHUNK));
             for (chunk, (sums, batches)) in rows.enumerate() {
                 let done = (h * patches.len() + chunk * CHUNK) as f64 / (2 * patches.len()) as f64;

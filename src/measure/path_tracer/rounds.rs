@@ -62,19 +62,12 @@ pub(super) fn next_round(estimate: &PathTraced, used: f64) -> Round {
     let left = spent as f64 * ((1.0 - used) / used.max(1e-9)).min(1.0);
     let batches = (left / f64::from(2 * BATCH)).ceil();
     let [a, b] = &estimate.halves;
-    [share_out(estimate, a, b, batches), share_out(estimate, b, a, batches)]
+    [share_out(a, b, batches), share_out(b, a, batches)]
 }
 
-/// Shares `batches` out among the patches of half `own` by what `other` knows of their variance.
-fn share_out(estimate: &PathTraced, own: &Half, other: &Half, batches: f64) -> Vec<u32> {
-    let values = (estimate.bounces + 1) * estimate.channels;
-    let worth = |i: usize| {
-        let variance: f64 = (0..estimate.channels)
-            .map(|c| other.moments(i, estimate.bounces * estimate.channels + c, values).1)
-            .sum();
-        (estimate.areas[i] * variance).sqrt()
-    };
-    let mut worth: Vec<f64> = (0..estimate.len()).map(worth).collect();
+/// Shares `batches` out among the patches of half `own` by what `other` knows of their spread.
+fn share_out(own: &Half, other: &Half, batches: f64) -> Vec<u32> {
+    let mut worth = other.spread.clone();
     let mean = worth.iter().sum::<f64>() / worth.len().max(1) as f64;
     worth.iter_mut().for_each(|w| *w = if mean > 0.0 { w.max(FLOOR * mean) } else { 1.0 });
     // What each lacks of its share of all batches, scaled to what there is to give.
