@@ -64,6 +64,12 @@ pub enum OutputError {
         /// Pixels down.
         height: usize,
     },
+    /// So many random samples can't be taken.
+    #[error("a pixel can't have {samples} samples; take 1 to 1048576")]
+    Samples {
+        /// Samples per pixel.
+        samples: u32,
+    },
     /// The camera can't make a picture.
     #[error(
         "camera: position and target must differ, up must not be zero, and fov must lie between 0 and 180 degrees"

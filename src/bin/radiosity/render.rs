@@ -25,7 +25,7 @@ pub struct Args {
 
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
-    let look = args.picture.options(progress)?;
+    let look = args.picture.options(&args.run, progress)?;
     progress.at("load", 0.0)?;
     let scene = args.scene.load()?;
     scene.require_light()?;

@@ -1,0 +1,135 @@
+//! Final gathering: light at a point itself, not at its patch; L = Lₑ + ρ/π·(H of lamps + H of all else).
+//!
+//! Lamps are sampled at points drawn on them, everything else by cosine-distributed rays that bring back the solution
+//! of the patch they land on. Such rays meet lamps too. Both ways count, weighted by the balance heuristic (Veach &
+//! Guibas 1995, eq. 14), so that nothing is counted twice and no sample weighs more than the lamp is bright, however near
+//! the lamp.
+
+use glam::DVec3;
+use nalgebra::DMatrix;
+
+use super::super::to_rgb;
+use super::field::rgb_rows;
+use crate::patches::Patches;
+use crate::scene::Side;
+use crate::trace::sampling::{cosine_hemisphere, frame_around};
+use crate::trace::{Hit, LampView, Lamps, Ray, Tracer, geometry_term};
+
+/// All it takes to gather light at a point.
+pub(super) struct Gather<'a, 's> {
+    tracer: &'a Tracer<'s>,
+    patches: &'a Patches<'s>,
+    lamps: Lamps,
+    /// Radiance L of every patch.
+    radiance: Vec<DVec3>,
+    /// Of every material.
+    reflectance: Vec<DVec3>,
+    emission: Vec<DVec3>,
+}
+
+/// A point of a face's side.
+#[derive(Clone, Copy)]
+struct Place {
+    face: u32,
+    side: Side,
+    /// Normalised frame.
+    point: DVec3,
+    normal: DVec3,
+}
+
+/// How lamps look from the faces that a pixel shows, each seen from where the pixel's first ray met it.
+#[derive(Default)]
+pub(super) struct Views(Vec<(u32, Side, LampView)>);
+
+impl Views {
+    fn from_place(&mut self, lamps: &Lamps, place: &Place) -> &LampView {
+        let known = self.0.iter().position(|&(face, side, _)| (face, side) == (place.face, place.side));
+        let k = known.unwrap_or_else(|| {
+            self.0.push((place.face, place.side, lamps.view_from(&[place.point], place.normal)));
+            self.0.len() - 1
+        });
+        &self.0[k].2
+    }
+}
+
+impl<'a, 's> Gather<'a, 's> {
+    pub fn new(tracer: &'a Tracer<'s>, patches: &'a Patches<'s>, radiance: &DMatrix<f64>) -> Self {
+        let materials = tracer.scene().materials();
+        Self {
+            tracer,
+            patches,
+            lamps: Lamps::new(tracer),
+            radiance: rgb_rows(radiance).collect(),
+            reflectance: materials.iter().map(|m| to_rgb(&m.reflectance).into()).collect(),
+            emission: materials.iter().map(|m| to_rgb(&m.emission).into()).collect(),
+        }
+    }
+
+    /// Radiance that leaves where `ray` met `hit`, estimated with random numbers for a point of the lamps and a direction.
+    pub fn radiance(&self, ray: &Ray, hit: &Hit, [s, t, u, v]: [f64; 4], views: &mut Views) -> DVec3 {
+        let place = self.place(ray, hit);
+        let material = self.tracer.scene().faces()[hit.face as usize].material as usize;
+        let reflectance = self.reflectance[material];
+        let emitted = self.emitted(hit.face, hit.side);
+        if reflectance == DVec3::ZERO {
+            return emitted;
+        }
+        let view = views.from_place(&self.lamps, &place);
+        emitted
+            + reflectance * (self.from_lamps(&place, view, [s, t]) + self.from_around(&place, view, [u, v]))
+    }
+
+    fn place(&self, ray: &Ray, hit: &Hit) -> Place {
+        let [a, b, c] = *self.tracer.corners(hit.face as usize);
+        let [u, v] = hit.barycentrics;
+        let point = a + (b - a) * u + (c - a) * v;
+        // A thin face may be met beside its rounded corners: then the ray knows better.
+        let point = if point.is_finite() { point } else { ray.origin + ray.direction * hit.distance };
+        Place {
+            face: hit.face,
+            side: hit.side,
+            point,
+            normal: self.tracer.normal(hit.face as usize, hit.side),
+        }
+    }
+
+    fn emitted(&self, face: u32, side: Side) -> DVec3 {
+        match side {
+            Side::Front => self.emission[self.tracer.scene().faces()[face as usize].material as usize],
+            Side::Back => DVec3::ZERO,
+        }
+    }
+
+    /// H/π from a point drawn on the lamps.
+    fn from_lamps(&self, place: &Place, view: &LampView, random: [f64; 2]) -> DVec3 {
+        let Some(lamp) = self.lamps.sample(view, random).filter(|lamp| lamp.face != place.face) else {
+            return DVec3::ZERO;
+        };
+        let g = geometry_term((place.point, place.normal), (lamp.point, lamp.normal));
+        if g == 0.0 || !self.tracer.unoccluded((place.point, place.face), (lamp.point, lamp.face)) {
+            return DVec3::ZERO;
+        }
+        // Weigh g/p by p/(p + g): a cosine-distributed ray finds the same point with density g.
+        self.emitted(lamp.face, Side::Front) * (g / (lamp.pdf + g))
+    }
+
+    /// H/π from where a cosine-distributed ray lands.
+    fn from_around(&self, place: &Place, view: &LampView, random: [f64; 2]) -> DVec3 {
+        let direction = frame_around(place.normal) * cosine_hemisphere(random);
+        let ray = Ray { origin: place.point, direction, from: place.face };
+        let Some(hit) = self.tracer.closest_hit(&ray) else { return DVec3::ZERO };
+        let Some(patch) = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics) else {
+            return DVec3::ZERO;
+        };
+        let radiance = self.radiance[patch];
+        if !self.lamps.contains(hit.face as usize, hit.side) {
+            return radiance;
+        }
+        // Leave to lamp points their share of what the lamp emits.
+        let there = self.place(&ray, &hit);
+        let pdf = self.lamps.pdf(view, hit.face as usize);
+        let g = geometry_term((place.point, place.normal), (there.point, there.normal));
+        let share = if pdf > 0.0 { pdf / (pdf + g) } else { 0.0 };
+        radiance - self.emitted(hit.face, hit.side) * share
+    }
+}
