@@ -8,6 +8,7 @@
 mod field;
 mod gather;
 mod lens;
+mod numbers;
 mod outlines;
 mod samples;
 
@@ -21,13 +22,13 @@ use rayon::prelude::*;
 use self::field::Field;
 use self::gather::{Gather, Views};
 use self::lens::Lens;
+use self::numbers::{LIGHT_STREAM, Numbers, PIXEL_STREAM};
 use self::outlines::dimming;
 use self::samples::{FEW, MANY, Samples, Seen, rough_pixels, stratified};
 use super::{OutputError, Picture};
 use crate::patches::Patches;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{Camera, Side};
-use crate::trace::sampling::{SEQUENCE_END, Sequence};
 use crate::trace::{Hit, Ray, Tracer};
 
 /// How radiance is found where a camera ray ends.
@@ -109,10 +110,6 @@ const LARGEST: usize = 1 << 27;
 
 /// More random samples per pixel than this are refused.
 const MOST_SAMPLES: u32 = 1 << 20;
-
-/// Where streams of random sequences for places within a pixel, and for light there, start.
-const PIXEL_STREAM: u64 = 1 << 43;
-const LIGHT_STREAM: u64 = 1 << 44;
 
 /// About so many pixels are rendered together, as a band of rows; 160 bytes each.
 const BAND: usize = 1 << 19;
@@ -256,11 +253,7 @@ impl<'a, 's> View<'a, 's> {
     /// Adds samples `range` of the pixel at (x, y).
     fn sample(&self, pixel: &mut Samples, x: usize, y: usize, range: Range<u32>) {
         let corner = DVec2::new(x as f64, y as f64);
-        let place = (y * self.options.width + x) as u64;
-        let random = |stream: u64, k: u32| {
-            let batch = u64::from(k / SEQUENCE_END);
-            Sequence::new(self.options.seed, stream + batch, place).point(k % SEQUENCE_END)
-        };
+        let numbers = Numbers::of_pixel(self.options, x, y);
         let mut views = Views::default();
         for k in range {
             let seen = match &self.sight {
@@ -268,9 +261,9 @@ impl<'a, 's> View<'a, 's> {
                     self.look(corner + stratified(k), |_, hit, patch| field.at(patch, hit.barycentrics))
                 }
                 Sight::Gather(gather) => {
-                    let [u, v, ..] = random(PIXEL_STREAM, k);
+                    let [u, v, ..] = numbers.point(PIXEL_STREAM, k);
                     self.look(corner + DVec2::new(u, v), |ray, hit, _| {
-                        gather.radiance(ray, hit, random(LIGHT_STREAM, k), &mut views)
+                        gather.radiance(ray, hit, numbers.point(LIGHT_STREAM, k), &mut views)
                     })
                 }
             };
