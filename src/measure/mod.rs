@@ -3,7 +3,9 @@
 mod comparison;
 mod energy;
 mod health;
+mod path_tracer;
 
 pub use comparison::{ReferenceRow, RelativeRms};
 pub use energy::Energy;
 pub use health::{Finding, Verdict, mesh_health, operator_health};
+pub use path_tracer::{Budget, Estimate, PathError, PathOptions, PathTraced, PathTracer};
