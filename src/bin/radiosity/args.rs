@@ -171,8 +171,8 @@ pub struct PictureArgs {
     #[arg(long, value_enum, default_value_t = ShadingArg::Smooth)]
     shading: ShadingArg,
 
-    /// Random samples per pixel, for --shading gather; best a power of two
-    #[arg(long, value_name = "N", default_value_t = 64)]
+    /// Random samples per pixel, for --shading gather and path; best a power of two
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     samples: u32,
 
     /// Draw the edges of patches
@@ -196,6 +196,8 @@ enum ShadingArg {
     Smooth,
     /// Gathered there from lamps and patches: sharp shadows, no patches to be seen; takes longer
     Gather,
+    /// By light paths alone: the reference, without patches or form factors
+    Path,
 }
 
 impl PictureArgs {
@@ -209,6 +211,7 @@ impl PictureArgs {
             ShadingArg::Flat => Shading::Flat,
             ShadingArg::Smooth => Shading::Smooth,
             ShadingArg::Gather => Shading::Gather,
+            ShadingArg::Path => Shading::Path,
         };
         let outlines = if self.outlines { Outlines::Shown } else { Outlines::Hidden };
         let (width, height) = self.size;

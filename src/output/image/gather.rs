@@ -65,9 +65,9 @@ impl<'a, 's> Gather<'a, 's> {
         }
     }
 
-    /// Radiance that leaves where `ray` met `hit`, estimated with random numbers for a point of the lamps and a direction.
-    pub fn radiance(&self, ray: &Ray, hit: &Hit, [s, t, u, v]: [f64; 4], views: &mut Views) -> DVec3 {
-        let place = self.place(ray, hit);
+    /// Radiance that leaves where a ray ended, estimated with random numbers for a point of the lamps and a direction.
+    pub fn radiance(&self, hit: &Hit, [s, t, u, v]: [f64; 4], views: &mut Views) -> DVec3 {
+        let place = self.place(hit);
         let material = self.tracer.scene().faces()[hit.face as usize].material as usize;
         let reflectance = self.reflectance[material];
         let emitted = self.emitted(hit.face, hit.side);
@@ -79,12 +79,10 @@ impl<'a, 's> Gather<'a, 's> {
             + reflectance * (self.from_lamps(&place, view, [s, t]) + self.from_around(&place, view, [u, v]))
     }
 
-    fn place(&self, ray: &Ray, hit: &Hit) -> Place {
+    fn place(&self, hit: &Hit) -> Place {
         let [a, b, c] = *self.tracer.corners(hit.face as usize);
         let [u, v] = hit.barycentrics;
         let point = a + (b - a) * u + (c - a) * v;
-        // A thin face may be met beside its rounded corners: then the ray knows better.
-        let point = if point.is_finite() { point } else { ray.origin + ray.direction * hit.distance };
         Place {
             face: hit.face,
             side: hit.side,
@@ -126,10 +124,77 @@ impl<'a, 's> Gather<'a, 's> {
             return radiance;
         }
         // Leave to lamp points their share of what the lamp emits.
-        let there = self.place(&ray, &hit);
+        let there = self.place(&hit);
         let pdf = self.lamps.pdf(view, hit.face as usize);
         let g = geometry_term((place.point, place.normal), (there.point, there.normal));
         let share = if pdf > 0.0 { pdf / (pdf + g) } else { 0.0 };
         radiance - self.emitted(hit.face, hit.side) * share
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::tests::{cut, quad, triangles};
+    use super::super::{RenderOptions, Shading, render};
+    use super::*;
+    use crate::patches::Reach;
+    use crate::scene::{Camera, Material};
+    use crate::trace::form_factor_to_triangle;
+
+    const EMITTED: [f64; 3] = [1.0, 2.0, 4.0];
+
+    /// Radiance of a floor's point (x, 0, z) below a black lamp of 1 m² at this height, as seen in one pixel with
+    /// each of 16 seeds; and the closed form.
+    fn under_a_lamp(height: f64, [x, z]: [f64; 2], samples: u32) -> (Vec<[f32; 3]>, f64) {
+        let floor = quad([-5.0, 0.0, -5.0], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0]);
+        let lamp = quad([-0.5, height, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        let materials =
+            vec![Material::diffuse("floor", &[0.5; 3]), Material::lamp("lamp", &[0.0; 3], &EMITTED)];
+        let scene = triangles(&[floor, lamp].concat(), &[0, 0, 1, 1], materials);
+        let tracer = Tracer::new(&scene);
+        let patches = cut(&tracer, 1.0, Reach::Light);
+        let target = DVec3::new(x, 0.0, z);
+        // Look along the floor, under the lamp.
+        let position = target + DVec3::new(0.9 * height, 0.5 * height, 0.0);
+        let camera = Camera { position, target, up: DVec3::Y, fov: 1e-4 };
+        let seen = |seed: u64| {
+            let shading = Shading::Gather;
+            let options = RenderOptions { width: 1, height: 1, shading, samples, seed, ..Default::default() };
+            render(&tracer, &patches, &patches.sources(), &camera, &options).unwrap().pixels[0]
+        };
+        let at = tracer.frame().from_world(target);
+        let form_factor = |f: usize| form_factor_to_triangle(at, DVec3::Y, tracer.corners(f));
+        ((0..16).map(seen).collect(), 0.5 * (form_factor(2) + form_factor(3)))
+    }
+
+    #[test]
+    fn under_a_lamp_it_is_lamberts_formula_within_the_standard_error() {
+        for (height, place) in
+            [(1.0, [0.3, 0.2]), (0.05, [0.3, 0.2]), (0.05, [0.52, 0.0]), (1e-3, [0.1, 0.1])]
+        {
+            let (seen, exact) = under_a_lamp(height, place, 256);
+            for (c, emitted) in EMITTED.iter().enumerate() {
+                let n = seen.len() as f64;
+                let mean = seen.iter().map(|rgb| f64::from(rgb[c])).sum::<f64>() / n;
+                let squares: f64 = seen.iter().map(|rgb| (f64::from(rgb[c]) - mean).powi(2)).sum();
+                let error = (squares / (n * (n - 1.0))).sqrt();
+                let z = (mean - exact * emitted) / error;
+                // Student's t with 15 degrees of freedom exceeds 4.88 once in 5000 times.
+                assert!(z.abs() < 4.88, "{height} {place:?}: {mean} ± {error}, not {}", exact * emitted);
+                assert!(error < 0.02 * mean, "{height} {place:?}: {mean} ± {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_sample_is_brighter_than_the_lamp_on_white_both_ways() {
+        for height in [1.0, 1e-2, 1e-4, 1e-9] {
+            let (seen, _) = under_a_lamp(height, [0.4, 0.1], 1);
+            // ρ = 0.5, and each of two ways may bring all that the lamp emits.
+            assert!(
+                seen.iter().all(|rgb| rgb.iter().zip(EMITTED).all(|(&x, e)| f64::from(x) <= e)),
+                "{seen:?}"
+            );
+        }
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! Where the field itself is shown, each pixel is the mean of 4 rays, or of 16 where those 4 or the neighbouring pixels
 //! differ to the eye. The samples are the first 4 or 16 points of a (0,2)-sequence, so that each quarter and each sixteenth
-//! of the pixel has its share. Where light is gathered at random, each pixel takes as many points as asked for of an
-//! Owen-scrambled Sobol sequence of its own.
+//! of the pixel has its share. Where light is gathered or paths are traced, each pixel takes as many points as asked
+//! for of an Owen-scrambled Sobol sequence.
 
 mod field;
 mod gather;
@@ -22,10 +22,11 @@ use rayon::prelude::*;
 use self::field::Field;
 use self::gather::{Gather, Views};
 use self::lens::Lens;
-use self::numbers::{LIGHT_STREAM, Numbers, PIXEL_STREAM};
+use self::numbers::Numbers;
 use self::outlines::dimming;
 use self::samples::{FEW, MANY, Samples, Seen, rough_pixels, stratified};
-use super::{OutputError, Picture};
+use super::{OutputError, Picture, to_rgb};
+use crate::measure::PathTracer;
 use crate::patches::Patches;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{Camera, Side};
@@ -42,6 +43,9 @@ pub enum Shading {
     /// are as sharp as the scene makes them, patches are not seen. Where everything is solved exactly this is exact in the mean;
     /// noise falls as samples rise. Surfaces are as flat as their faces.
     Gather,
+    /// It is found by light paths of any length, [`RenderOptions::samples`] a pixel, without patches or form factors: the
+    /// independent reference. The solution is not looked at.
+    Path,
 }
 
 /// Whether the edges of patches are drawn.
@@ -64,7 +68,7 @@ pub struct RenderOptions<'a> {
     pub shading: Shading,
     /// Whether the edges of patches are drawn.
     pub outlines: Outlines,
-    /// Random samples per pixel where light is gathered, 1 to 2²⁰; time grows in proportion, noise falls at least as their root.
+    /// Random samples per pixel where light is gathered or paths are traced, 1 to 2²⁰; time grows in proportion, noise falls at least as their root.
     /// Powers of two are spread most evenly.
     pub samples: u32,
     /// Number of the random sequence.
@@ -168,6 +172,8 @@ enum Sight<'a, 's> {
     Field(Field),
     /// Light gathered there: random, so every pixel takes all its samples.
     Gather(Gather<'a, 's>),
+    /// Light paths that start there: random too.
+    Path(PathTracer<'a, 's>),
 }
 
 impl<'a, 's> View<'a, 's> {
@@ -182,6 +188,7 @@ impl<'a, 's> View<'a, 's> {
             Shading::Flat => Sight::Field(Field::flat(radiance)),
             Shading::Smooth => Sight::Field(Field::smooth(tracer, patches, radiance)),
             Shading::Gather => Sight::Gather(Gather::new(tracer, patches, radiance)),
+            Shading::Path => Sight::Path(PathTracer::new(tracer)),
         };
         let lens = Lens::new(tracer, camera, options.width, options.height);
         Self { tracer, patches, lens, sight, options }
@@ -202,7 +209,7 @@ impl<'a, 's> View<'a, 's> {
             let band = start..(start + rows).min(height);
             let pixels = match self.sight {
                 Sight::Field(_) => self.band_where_needed(band, row_done)?,
-                Sight::Gather(_) => self.band(band, row_done)?,
+                Sight::Gather(_) | Sight::Path(_) => self.band(band, row_done)?,
             };
             for (pixel, lamp) in pixels.iter().map(Samples::mean) {
                 picture.pixels.push(pixel);
@@ -255,37 +262,50 @@ impl<'a, 's> View<'a, 's> {
         let corner = DVec2::new(x as f64, y as f64);
         let numbers = Numbers::of_pixel(self.options, x, y);
         let mut views = Views::default();
+        let mut channels = vec![0.0; self.tracer.scene().channels()];
         for k in range {
+            // Dimension set 0 tells where in the pixel, those that follow what happens there.
+            let (sequence, place) = numbers.of_sample(k);
+            let anywhere = || corner + DVec2::from_slice(&sequence.dimensions(place, 0)[..2]);
             let seen = match &self.sight {
-                Sight::Field(field) => {
-                    self.look(corner + stratified(k), |_, hit, patch| field.at(patch, hit.barycentrics))
-                }
-                Sight::Gather(gather) => {
-                    let [u, v, ..] = numbers.point(PIXEL_STREAM, k);
-                    self.look(corner + DVec2::new(u, v), |ray, hit, _| {
-                        gather.radiance(ray, hit, numbers.point(LIGHT_STREAM, k), &mut views)
-                    })
-                }
+                Sight::Field(field) => self.look(corner + stratified(k), |ray| {
+                    let (hit, patch) = self.lit_hit(ray)?;
+                    Some((hit, field.at(patch, hit.barycentrics)))
+                }),
+                Sight::Gather(gather) => self.look(anywhere(), |ray| {
+                    let (hit, _) = self.lit_hit(ray)?;
+                    Some((hit, gather.radiance(&hit, sequence.dimensions(place, 1), &mut views)))
+                }),
+                Sight::Path(paths) => self.look(anywhere(), |ray| {
+                    channels.fill(0.0);
+                    let hit = paths.add_radiance(ray, sequence, place, &mut channels)?;
+                    Some((hit, to_rgb(&channels).into()))
+                }),
             };
             pixel.add(seen.unwrap_or_default());
         }
     }
 
-    /// What is seen at a point of the picture, if `radiance` is what leaves where the ray ends; none where no light comes.
-    fn look(&self, point: DVec2, radiance: impl FnOnce(&Ray, &Hit, usize) -> DVec3) -> Option<Seen> {
-        let ray = self.lens.ray(point);
-        let hit = self.tracer.closest_hit(&ray)?;
+    /// What a ray meets, and the patch there; none where no light comes.
+    fn lit_hit(&self, ray: &Ray) -> Option<(Hit, usize)> {
+        let hit = self.tracer.closest_hit(ray)?;
+        let patch = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics)?;
+        Some((hit, patch))
+    }
+
+    /// What is seen at a point of the picture, if `meet` tells what the ray meets and the radiance that leaves there.
+    fn look(&self, point: DVec2, meet: impl FnOnce(&Ray) -> Option<(Hit, DVec3)>) -> Option<Seen> {
+        let (hit, radiance) = meet(&self.lens.ray(point))?;
         let face = hit.face as usize;
-        let patch = self.patches.patch_at(face, hit.side, hit.barycentrics)?;
+        let outlined = || self.patches.patch_at(face, hit.side, hit.barycentrics);
         let outline = match self.options.outlines {
             Outlines::Hidden => 1.0,
-            Outlines::Shown => dimming(self.tracer, self.patches, &self.lens, point, patch),
+            Outlines::Shown => {
+                outlined().map_or(1.0, |patch| dimming(self.tracer, self.patches, &self.lens, point, patch))
+            }
         };
-        Some(Seen {
-            radiance: radiance(&ray, &hit, patch),
-            is_lamp: hit.side == Side::Front && self.tracer.scene().material_of(face).emits(),
-            outline,
-        })
+        let is_lamp = hit.side == Side::Front && self.tracer.scene().material_of(face).emits();
+        Some(Seen { radiance, is_lamp, outline })
     }
 }
 
@@ -345,7 +365,7 @@ mod tests {
         let tracer = Tracer::new(&scene);
         let patches = cut(&tracer, 0.3, Reach::Light);
         let radiance = DMatrix::from_fn(patches.len(), 1, |i, _| (i % 7) as f64);
-        for shading in [Shading::Smooth, Shading::Gather] {
+        for shading in [Shading::Smooth, Shading::Gather, Shading::Path] {
             let options = RenderOptions { shading, samples: 4, ..small() };
             let with = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -361,7 +381,7 @@ mod tests {
         let tracer = Tracer::new(&scene);
         let patches = cut(&tracer, 0.3, Reach::Light);
         let radiance = DMatrix::from_fn(patches.len(), 1, |i, _| (i % 7) as f64);
-        for shading in [Shading::Smooth, Shading::Gather] {
+        for shading in [Shading::Smooth, Shading::Gather, Shading::Path] {
             let options = RenderOptions { shading, samples: 2, ..small() };
             let view = View::new(&tracer, &patches, &radiance, &inside(), &options);
             let whole = view.picture(30).unwrap();

@@ -7,9 +7,8 @@
 use super::RenderOptions;
 use crate::trace::sampling::{SEQUENCE_END, Sequence};
 
-/// Where streams of random sequences for places within a pixel, and for light there, start.
-pub(super) const PIXEL_STREAM: u64 = 1 << 43;
-pub(super) const LIGHT_STREAM: u64 = 1 << 44;
+/// Where the stream of random sequences for pictures starts.
+const STREAM: u64 = 1 << 43;
 
 /// Where a pixel finds its random points.
 #[derive(Clone, Copy)]
@@ -31,17 +30,14 @@ impl Numbers {
         Self { seed, square, first: morton((x % side) as u32, (y % side) as u32) * samples }
     }
 
-    /// Random point of sample `k`, in one of the streams above.
-    pub fn point(&self, stream: u64, k: u32) -> [f64; 4] {
-        let (sequence, k) = self.at(stream, k);
-        sequence.point(k)
+    /// The sequence of sample `k`, and the number of its point there.
+    pub fn of_sample(&self, k: u32) -> (Sequence, u32) {
+        let (batch, point) = self.place(k);
+        (Sequence::new(self.seed, STREAM + u64::from(batch), self.square), point)
     }
 
-    /// The same as a sequence and the number of a point in it.
-    fn at(&self, stream: u64, k: u32) -> (Sequence, u32) {
-        let k = self.first + k;
-        let batch = u64::from(k / SEQUENCE_END);
-        (Sequence::new(self.seed, stream + batch, self.square), k % SEQUENCE_END)
+    fn place(&self, k: u32) -> (u32, u32) {
+        ((self.first + k) / SEQUENCE_END, (self.first + k) % SEQUENCE_END)
     }
 }
 
@@ -63,14 +59,13 @@ mod tests {
             for (x, y) in (0..7).flat_map(|y| (0..11).map(move |x| (x, y))) {
                 let numbers = Numbers::of_pixel(&options, x, y);
                 for k in [0, samples / 2, samples - 1] {
-                    let (_, place) = numbers.at(0, k);
-                    points.push((numbers.square, (numbers.first + k) / SEQUENCE_END, place, k));
+                    points.push((numbers.square, numbers.place(k), k));
                 }
             }
             points.sort_unstable();
             points.dedup();
             let all = points.len();
-            points.dedup_by_key(|&mut (square, batch, place, _)| (square, batch, place));
+            points.dedup_by_key(|&mut (square, place, _)| (square, place));
             assert_eq!(points.len(), all, "{samples}");
         }
     }
@@ -81,8 +76,11 @@ mod tests {
         for (left, top) in [(0, 0), (6, 2), (38, 38)] {
             // Four pixels of four samples each: one in each sixteenth of the square.
             let pixels = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| (left + x, top + y));
-            let points = pixels
-                .map(|(x, y)| [0, 1, 2, 3].map(|k| Numbers::of_pixel(&options, x, y).point(LIGHT_STREAM, k)));
+            let point = |(x, y), k| {
+                let (sequence, place) = Numbers::of_pixel(&options, x, y).of_sample(k);
+                sequence.dimensions(place, 1)
+            };
+            let points = pixels.map(|pixel| [0, 1, 2, 3].map(|k| point(pixel, k)));
             let mut cells: Vec<_> =
                 points.iter().flatten().map(|p| [p[0], p[1]].map(|x| (4.0 * x) as u32)).collect();
             cells.sort_unstable();
