@@ -91,6 +91,11 @@ impl PathTraced {
         self.bounces
     }
 
+    /// Area of a patch, m².
+    pub fn area(&self, patch: usize) -> f64 {
+        self.areas[patch]
+    }
+
     /// Paths that were traced from a patch.
     pub fn paths_of(&self, patch: usize) -> u64 {
         let batches: u32 = self.halves.iter().map(|half| half.batches[patch]).sum();

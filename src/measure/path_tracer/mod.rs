@@ -16,6 +16,7 @@ use rayon::prelude::*;
 pub use estimate::{Estimate, PathTraced};
 pub use rounds::Budget;
 
+use super::MeasureError;
 use crate::patches::Patches;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
@@ -58,20 +59,6 @@ impl Default for PathOptions<'_> {
             progress: Progress::default(),
         }
     }
-}
-
-/// Why paths could not be traced.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PathError {
-    /// Nothing would end the work, or before it begins.
-    #[error(
-        "a path tracer needs a budget: a standard error, a time or a number of paths, each above 0 where it is given"
-    )]
-    Budget,
-    /// The observer asked to stop.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
 }
 
 /// A path tracer for diffuse scenes.
@@ -122,7 +109,7 @@ impl<'t, 's> PathTracer<'t, 's> {
     ///
     /// # Errors
     /// `Budget` or `Cancelled`.
-    pub fn irradiance(&self, patches: &Patches, options: &PathOptions) -> Result<PathTraced, PathError> {
+    pub fn irradiance(&self, patches: &Patches, options: &PathOptions) -> Result<PathTraced, MeasureError> {
         let areas: Vec<f64> = (0..patches.len()).map(|i| patches.area(i)).collect();
         let mut estimate = PathTraced::new(self.walker.channels, options.bounces, &areas);
         self.refine(patches, &mut estimate, options)?;
@@ -142,11 +129,11 @@ impl<'t, 's> PathTracer<'t, 's> {
         patches: &Patches,
         estimate: &mut PathTraced,
         options: &PathOptions,
-    ) -> Result<(), PathError> {
+    ) -> Result<(), MeasureError> {
         assert_eq!(patches.len(), estimate.len(), "the patches that paths were traced from");
         let PathOptions { budget, progress, .. } = options;
         if !budget.is_valid() {
-            return Err(PathError::Budget);
+            return Err(MeasureError::Budget);
         }
         progress.at("reference", 0.0)?;
         let began = Instant::now();
