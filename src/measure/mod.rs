@@ -13,7 +13,8 @@ use crate::progress::Cancelled;
 use crate::solve::SolveError;
 use crate::transport::TransportError;
 pub use comparison::{
-    Agreement, Comparison, OrderOptions, Difference, MeshError, OrderRow, Reason, ReferenceRow, RelativeRms, Worst,
+    Agreement, Comparison, Difference, MeshError, OrderOptions, OrderRow, Reason, ReferenceRow, RelativeRms,
+    Worst,
 };
 pub use energy::Energy;
 pub use health::{Finding, Verdict, mesh_health, operator_health};

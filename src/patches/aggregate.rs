@@ -66,7 +66,9 @@ impl Patches<'_> {
                 let [s, t] = uniform_triangle([x, y]);
                 let point = [0, 1].map(|axis| a[axis] + (b[axis] - a[axis]) * s + (c[axis] - a[axis]) * t);
                 if let Some(j) = other.patch_at(place.face, place.side, point) {
-                    mean.iter_mut().enumerate().for_each(|(c, sum)| *sum += field[(j, c)] / f64::from(POINTS));
+                    mean.iter_mut()
+                        .enumerate()
+                        .for_each(|(c, sum)| *sum += field[(j, c)] / f64::from(POINTS));
                 }
             }
         });

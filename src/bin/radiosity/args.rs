@@ -231,6 +231,16 @@ impl PictureArgs {
         self.exposure.map_or_else(|| picture.exposure(), |factor| Exposure { factor })
     }
 
+    /// Says so if nothing can be seen in a picture.
+    pub fn warn_if_black(&self, picture: &Picture, terminal: &Terminal) {
+        if picture.is_black() {
+            terminal.warn(
+                "the picture is black: the camera sees nothing that is lit; change [camera] in the scene's .toml, or remove it \
+                 there to have one found",
+            );
+        }
+    }
+
     /// Adds `image.png`, and `image.exr` if wanted.
     pub fn write(&self, picture: &Picture, outputs: &mut Outputs) -> Result<(), OutputError> {
         outputs.file("image.png", |file| picture.write_png(file, self.exposure(picture)))?;

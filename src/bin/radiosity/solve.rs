@@ -58,6 +58,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
 
     let camera = args.picture.camera(&tracer, &patches);
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
+    args.picture.warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;
     let exposure = args.picture.exposure(&picture);
     let (irradiance, radiance) = (&solution.irradiance, &solution.radiance);

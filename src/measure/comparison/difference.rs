@@ -70,7 +70,9 @@ pub(super) fn faces(patches: &Patches, field: &DMatrix<f64>, reference: &PathTra
     let rows = patches.average_by_face(field).into_iter().zip(reference.by_face(patches));
     rows.map(|(face, known)| Place {
         area: face.area,
-        channels: (0..face.mean.len()).map(|c| [face.mean[c], known.mean[c], known.standard_error[c]]).collect(),
+        channels: (0..face.mean.len())
+            .map(|c| [face.mean[c], known.mean[c], known.standard_error[c]])
+            .collect(),
         degrees_of_freedom: patches
             .patches_of(face.face, face.side)
             .map(|i| reference.degrees_of_freedom(i))

@@ -41,7 +41,8 @@ impl MeshError {
             let silent = Progress::default();
             // Random numbers of its own, so that noise does not cancel.
             let seed = trace.seed ^ stream;
-            let mut cut = Patches::new(tracer, &Tessellation { size, seed, progress: silent, ..*tessellation })?;
+            let mut cut =
+                Patches::new(tracer, &Tessellation { size, seed, progress: silent, ..*tessellation })?;
             let options = TraceOptions { rays: Some(rays), seed, progress: trace.progress, ..*trace };
             let factors = FormFactors::trace(tracer, &mut cut, &options)?;
             Ok(patches.resample(&cut, &irradiance(&cut, &factors)?))

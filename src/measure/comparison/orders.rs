@@ -132,7 +132,9 @@ impl<'k, 'f> Irradiances<'k, 'f> {
         let (Some(last), Some(before)) = (&self.last, &self.before) else { return uniform.sqrt() };
         let norms = mean_squares(self.k, last);
         let geometric = channels.map(|c| {
-            let ratios = last.column(c).zip_map(&before.column(c), |now, then| if now == 0.0 { 0.0 } else { now / then });
+            let ratios = last
+                .column(c)
+                .zip_map(&before.column(c), |now, then| if now == 0.0 { 0.0 } else { now / then });
             match ratios.max() {
                 theta if theta < 1.0 => (theta / (1.0 - theta)).powi(2) * norms[c],
                 _ => f64::INFINITY,
@@ -151,5 +153,8 @@ fn root_mean_square(k: &Transport, field: &DMatrix<f64>) -> f64 {
 fn mean_squares(k: &Transport, field: &DMatrix<f64>) -> Vec<f64> {
     let area = k.mass();
     let whole = area.sum();
-    field.column_iter().map(|column| column.zip_fold(area, 0.0, |sum, x, a| sum + a * x * x) / whole).collect()
+    field
+        .column_iter()
+        .map(|column| column.zip_fold(area, 0.0, |sum, x, a| sum + a * x * x) / whole)
+        .collect()
 }

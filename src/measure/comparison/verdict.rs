@@ -104,9 +104,8 @@ impl Change {
         let face_squares: f64 =
             faces.iter().map(|row| row.area * row.mean.iter().map(|x| x * x).sum::<f64>()).sum();
         let means = [finer, coarser].map(|change| (sum(&|i, c| change[(i, c)]) / total).abs());
-        let single = |i: usize| {
-            (0..channels).map(|c| finer[(i, c)].abs() + 0.5 * coarser[(i, c)].abs()).collect()
-        };
+        let single =
+            |i: usize| (0..channels).map(|c| finer[(i, c)].abs() + 0.5 * coarser[(i, c)].abs()).collect();
         let all_area = sum(&|_, _| 1.0);
         Self {
             by_patch: (sum(&|i, c| finer[(i, c)].powi(2)) / squares).sqrt(),
@@ -130,8 +129,22 @@ pub(super) fn reasons(
     let [by_face_square, ..] = by_face.chance;
     let mean = REMAINS * change.mean.max(ALWAYS_OF_MEAN * change.by_patch);
     vec![
-        Reason::new("patches", by_patch.rms, by_patch.uncertainty, by_square, REMAINS * change.by_patch, LOOKS),
-        Reason::new("faces", by_face.rms, by_face.uncertainty, by_face_square, REMAINS * change.by_face, LOOKS),
+        Reason::new(
+            "patches",
+            by_patch.rms,
+            by_patch.uncertainty,
+            by_square,
+            REMAINS * change.by_patch,
+            LOOKS,
+        ),
+        Reason::new(
+            "faces",
+            by_face.rms,
+            by_face.uncertainty,
+            by_face_square,
+            REMAINS * change.by_face,
+            LOOKS,
+        ),
         Reason::new("mean", by_patch.bias, by_patch.bias_error, by_mean, mean, LOOKS),
         worst_patch(places, by_patch, change, LOOKS),
     ]
@@ -150,7 +163,14 @@ fn worst_patch(places: &[Place], by_patch: &Difference, change: &Change, looks: 
         let z = if error > 0.0 { (value - mean) / error } else { 0.0 };
         let chance = difference::chance_of_one(z, places[place].degrees_of_freedom, values);
         // The noise of a single patch has long tails: two of its standard errors count as one.
-        Reason::new("worst patch", relative(value - mean), relative(2.0 * error), chance, relative(mesh), looks)
+        Reason::new(
+            "worst patch",
+            relative(value - mean),
+            relative(2.0 * error),
+            chance,
+            relative(mesh),
+            looks,
+        )
     };
     let all = (0..places.len()).flat_map(|i| (0..places[i].channels.len()).map(move |c| (i, c)));
     let beyond = |reason: &Reason| reason.found.abs() - SURE * reason.uncertainty - reason.mesh;

@@ -66,7 +66,7 @@ pub fn write_bounces(writer: &mut dyn Write, orders: &[BouncePictures]) -> io::R
     canvas.write_png(writer)
 }
 
-/// How many times as much light there is in the sum as in the bounce, beside lamps; one digit, rounded down, at least 1.
+/// How many times as much light there is in the sum as in the bounce, beside lamps; a whole number of at most two digits and zeros.
 fn brightening(sum: &Picture, bounce: &Picture) -> f64 {
     let light = |picture: &Picture| -> f64 {
         let beside_lamps = picture.pixels.iter().zip(&picture.lamps).filter(|(_, lamp)| lamp.share == 0.0);
@@ -76,8 +76,8 @@ fn brightening(sum: &Picture, bounce: &Picture) -> f64 {
     if !(1.0..1e9).contains(&times) {
         return 1.0;
     }
-    let power = 10f64.powi((times * (1.0 + 1e-6)).log10().floor() as i32);
-    (times / power * (1.0 + 1e-6)).floor() * power
+    let power = 10f64.powi((times.log10().floor() as i32 - 1).max(0));
+    (times / power).round() * power
 }
 
 /// KᵏE.
@@ -121,9 +121,16 @@ mod tests {
     #[test]
     fn a_bounce_of_a_tenth_is_shown_ten_times_as_bright_and_a_black_one_as_it_is() {
         let even = |level: f32| Picture::new(4, 4, vec![[level; 3]; 16]);
-        for (level, times) in
-            [(0.1, 10.0), (0.3, 3.0), (0.035, 20.0), (1.0, 1.0), (7.0, 1.0), (0.0, 1.0), (f32::NAN, 1.0)]
-        {
+        for (level, times) in [
+            (0.1, 10.0),
+            (0.3, 3.0),
+            (0.051, 20.0),
+            (0.0003, 3300.0),
+            (1.0, 1.0),
+            (7.0, 1.0),
+            (0.0, 1.0),
+            (f32::NAN, 1.0),
+        ] {
             assert_eq!(brightening(&even(1.0), &even(level)), times, "{level}");
         }
     }
