@@ -42,7 +42,7 @@ struct Place {
 pub(super) struct Views(Vec<(u32, Side, LampView)>);
 
 impl Views {
-    fn from_place(&mut self, lamps: &Lamps, place: &Place) -> &LampView {
+    fn seen_at(&mut self, lamps: &Lamps, place: &Place) -> &LampView {
         let known = self.0.iter().position(|&(face, side, _)| (face, side) == (place.face, place.side));
         let k = known.unwrap_or_else(|| {
             self.0.push((place.face, place.side, lamps.view_from(&[place.point], place.normal)));
@@ -74,9 +74,10 @@ impl<'a, 's> Gather<'a, 's> {
         if reflectance == DVec3::ZERO {
             return emitted;
         }
-        let view = views.from_place(&self.lamps, &place);
+        let view = views.seen_at(&self.lamps, &place);
         emitted
-            + reflectance * (self.from_lamps(&place, view, [s, t]) + self.from_around(&place, view, [u, v]))
+            + reflectance
+                * (self.light_of_lamps(&place, view, [s, t]) + self.light_around(&place, view, [u, v]))
     }
 
     fn place(&self, hit: &Hit) -> Place {
@@ -99,7 +100,7 @@ impl<'a, 's> Gather<'a, 's> {
     }
 
     /// H/π from a point drawn on the lamps.
-    fn from_lamps(&self, place: &Place, view: &LampView, random: [f64; 2]) -> DVec3 {
+    fn light_of_lamps(&self, place: &Place, view: &LampView, random: [f64; 2]) -> DVec3 {
         let Some(lamp) = self.lamps.sample(view, random).filter(|lamp| lamp.face != place.face) else {
             return DVec3::ZERO;
         };
@@ -112,7 +113,7 @@ impl<'a, 's> Gather<'a, 's> {
     }
 
     /// H/π from where a cosine-distributed ray lands.
-    fn from_around(&self, place: &Place, view: &LampView, random: [f64; 2]) -> DVec3 {
+    fn light_around(&self, place: &Place, view: &LampView, random: [f64; 2]) -> DVec3 {
         let direction = frame_around(place.normal) * cosine_hemisphere(random);
         let ray = Ray { origin: place.point, direction, from: place.face };
         let Some(hit) = self.tracer.closest_hit(&ray) else { return DVec3::ZERO };
