@@ -144,9 +144,9 @@ mod tests {
 
     const EMITTED: [f64; 3] = [1.0, 2.0, 4.0];
 
-    /// Radiance of a floor's point (x, 0, z) below a black lamp of 1 m² at this height, as seen in one pixel with
-    /// each of 16 seeds; and the closed form.
-    fn under_a_lamp(height: f64, [x, z]: [f64; 2], samples: u32) -> (Vec<[f32; 3]>, f64) {
+    /// Radiance of a floor's point (x, 0, z) below a black lamp of 1 m² at this height, as seen in
+    /// `side`² pixels with each of 16 seeds; and the closed form.
+    fn under_a_lamp(height: f64, [x, z]: [f64; 2], side: usize, samples: u32) -> (Vec<[f32; 3]>, f64) {
         let floor = quad([-5.0, 0.0, -5.0], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0]);
         let lamp = quad([-0.5, height, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
         let materials =
@@ -160,12 +160,13 @@ mod tests {
         let camera = Camera { position, target, up: DVec3::Y, fov: 1e-4 };
         let seen = |seed: u64| {
             let shading = Shading::Gather;
-            let options = RenderOptions { width: 1, height: 1, shading, samples, seed, ..Default::default() };
-            render(&tracer, &patches, &patches.sources(), &camera, &options).unwrap().pixels[0]
+            let options =
+                RenderOptions { width: side, height: side, shading, samples, seed, ..Default::default() };
+            render(&tracer, &patches, &patches.sources(), &camera, &options).unwrap().pixels
         };
         let at = tracer.frame().from_world(target);
         let form_factor = |f: usize| form_factor_to_triangle(at, DVec3::Y, tracer.corners(f));
-        ((0..16).map(seen).collect(), 0.5 * (form_factor(2) + form_factor(3)))
+        ((0..16).flat_map(seen).collect(), 0.5 * (form_factor(2) + form_factor(3)))
     }
 
     #[test]
@@ -173,7 +174,7 @@ mod tests {
         for (height, place) in
             [(1.0, [0.3, 0.2]), (0.05, [0.3, 0.2]), (0.05, [0.52, 0.0]), (1e-3, [0.1, 0.1])]
         {
-            let (seen, exact) = under_a_lamp(height, place, 256);
+            let (seen, exact) = under_a_lamp(height, place, 1, 256);
             for (c, emitted) in EMITTED.iter().enumerate() {
                 let n = seen.len() as f64;
                 let mean = seen.iter().map(|rgb| f64::from(rgb[c])).sum::<f64>() / n;
@@ -189,12 +190,12 @@ mod tests {
 
     #[test]
     fn no_sample_is_brighter_than_the_lamp_on_white_both_ways() {
-        for height in [1.0, 1e-2, 1e-4, 1e-9] {
-            let (seen, _) = under_a_lamp(height, [0.4, 0.1], 1);
+        for height in [1.0, 0.05, 1e-4, 1e-9] {
+            let (seen, _) = under_a_lamp(height, [0.4, 0.1], 64, 1);
             // ρ = 0.5, and each of two ways may bring all that the lamp emits.
             assert!(
                 seen.iter().all(|rgb| rgb.iter().zip(EMITTED).all(|(&x, e)| f64::from(x) <= e)),
-                "{seen:?}"
+                "{height}"
             );
         }
     }
