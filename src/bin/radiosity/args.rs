@@ -167,9 +167,13 @@ pub struct PictureArgs {
     #[arg(long, value_name = "WxH", default_value = "800x600", value_parser = size)]
     size: (usize, usize),
 
-    /// How radiance varies within a patch
+    /// How radiance is found at a point
     #[arg(long, value_enum, default_value_t = ShadingArg::Smooth)]
     shading: ShadingArg,
+
+    /// Random samples per pixel, for --shading gather and path; best a power of two
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    samples: u32,
 
     /// Draw the edges of patches
     #[arg(long)]
@@ -190,17 +194,30 @@ enum ShadingArg {
     Flat,
     /// Interpolated across smooth surfaces
     Smooth,
+    /// Gathered there from lamps and patches: sharp shadows, no patches to be seen; takes longer
+    Gather,
+    /// By light paths alone: the reference, without patches or form factors
+    Path,
 }
 
 impl PictureArgs {
-    /// Refuses an impossible size before any work is done.
-    pub fn options<'a>(&self, progress: Progress<'a>) -> Result<RenderOptions<'a>, OutputError> {
+    /// Refuses an impossible size or number of samples before any work is done.
+    pub fn options<'a>(
+        &self,
+        run: &RunArgs,
+        progress: Progress<'a>,
+    ) -> Result<RenderOptions<'a>, OutputError> {
         let shading = match self.shading {
             ShadingArg::Flat => Shading::Flat,
             ShadingArg::Smooth => Shading::Smooth,
+            ShadingArg::Gather => Shading::Gather,
+            ShadingArg::Path => Shading::Path,
         };
         let outlines = if self.outlines { Outlines::Shown } else { Outlines::Hidden };
-        let options = RenderOptions { width: self.size.0, height: self.size.1, shading, outlines, progress };
+        let (width, height) = self.size;
+        let &Self { samples, .. } = self;
+        let seed = run.seed;
+        let options = RenderOptions { width, height, shading, outlines, samples, seed, progress };
         options.validate()?;
         Ok(options)
     }
@@ -212,6 +229,16 @@ impl PictureArgs {
 
     pub fn exposure(&self, picture: &Picture) -> Exposure {
         self.exposure.map_or_else(|| picture.exposure(), |factor| Exposure { factor })
+    }
+
+    /// Says so if nothing can be seen in a picture.
+    pub fn warn_if_black(&self, picture: &Picture, terminal: &Terminal) {
+        if picture.is_black() {
+            terminal.warn(
+                "the picture is black: the camera sees nothing that is lit; change [camera] in the scene's .toml, or remove it \
+                 there to have one found",
+            );
+        }
     }
 
     /// Adds `image.png`, and `image.exr` if wanted.

@@ -25,7 +25,7 @@ pub struct Args {
 
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
-    let look = args.picture.options(progress)?;
+    let look = args.picture.options(&args.run, progress)?;
     progress.at("load", 0.0)?;
     let scene = args.scene.load()?;
     scene.require_light()?;
@@ -37,6 +37,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let solution = solve::solve(&k, &patches.sources(), &args.solver.options(&args.run, progress))?;
     let camera = args.picture.camera(&tracer, &patches);
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
+    args.picture.warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;
     let mut outputs = args.scene.outputs(&scene)?;
     args.picture.write(&picture, &mut outputs)?;
