@@ -5,6 +5,7 @@
 //! [`write_patches`] make tables. [`write_comparison`], [`write_bounces`] and [`write_orders_plot`] make figures
 //! with words. [`Outputs`] replaces the files of a run together: all of them whole, or none.
 
+mod comparison;
 mod figure;
 mod file;
 mod form_factors;
@@ -22,6 +23,10 @@ use std::path::PathBuf;
 
 use crate::progress::Cancelled;
 
+pub use self::comparison::{
+    ComparisonSummary, DirectSummary, OrderSummary, ReferenceSummary, write_comparison_summary,
+    write_comparison_table,
+};
 pub use self::figure::{
     BouncePictures, ComparisonOptions, OrdersPlot, write_bounces, write_comparison, write_orders_plot,
 };

@@ -159,6 +159,11 @@ impl SolverArgs {
     }
 }
 
+/// The scene's own camera, or one that sees into it.
+pub fn camera(tracer: &Tracer, patches: &Patches) -> Camera {
+    tracer.scene().camera().copied().unwrap_or_else(|| output::default_camera(tracer, patches))
+}
+
 /// What the picture looks like.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Picture")]
@@ -222,11 +227,6 @@ impl PictureArgs {
         Ok(options)
     }
 
-    /// The scene's own camera, or one that sees into it.
-    pub fn camera(&self, tracer: &Tracer, patches: &Patches) -> Camera {
-        tracer.scene().camera().copied().unwrap_or_else(|| output::default_camera(tracer, patches))
-    }
-
     pub fn exposure(&self, picture: &Picture) -> Exposure {
         self.exposure.map_or_else(|| picture.exposure(), |factor| Exposure { factor })
     }
@@ -285,11 +285,11 @@ impl RunArgs {
     }
 }
 
-fn positive(text: &str) -> Result<usize, String> {
+pub fn positive(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "must be a whole number above 0".into())
 }
 
-fn positive_length(text: &str) -> Result<f64, String> {
+pub fn positive_length(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
         .filter(|x: &f64| x.is_finite() && *x > 0.0)
@@ -300,7 +300,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x| (0.0..1.0).contains(x)).ok_or_else(|| "must lie between 0 and 1".into())
 }
 
-fn size(text: &str) -> Result<(usize, usize), String> {
+pub fn size(text: &str) -> Result<(usize, usize), String> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     parsed.filter(|&(w, h)| w > 0 && h > 0).ok_or_else(|| "write it as 800x600".into())
 }
@@ -321,4 +321,11 @@ fn memory(text: &str) -> Result<u64, String> {
     let number: f64 = digits.parse().map_err(|_| "write it as 4GiB or 500MB")?;
     let bytes = number * unit as f64;
     if bytes >= 0.0 { Ok(bytes as u64) } else { Err("must not be negative".into()) }
+}
+
+/// A share of one, as 0.02 or 2%.
+pub fn share(text: &str) -> Result<f64, String> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    let share = number.trim().parse().ok().map(|x: f64| x * unit);
+    share.filter(|x| *x > 0.0 && *x < 1.0).ok_or_else(|| "write it as 2% or 0.02; between 0 and 1".into())
 }

@@ -5,7 +5,7 @@ use radiosity::solve;
 use radiosity::trace::Tracer;
 use radiosity::transport::Transport;
 
-use crate::args::{PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
 use crate::terminal::{Failure, Terminal};
 
@@ -35,7 +35,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let solution = solve::solve(&k, &patches.sources(), &args.solver.options(&args.run, progress))?;
-    let camera = args.picture.camera(&tracer, &patches);
+    let camera = args::camera(&tracer, &patches);
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
     args.picture.warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;

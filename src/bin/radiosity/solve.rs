@@ -6,7 +6,7 @@ use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{Plan, Transport};
 
-use crate::args::{PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
 use crate::terminal::{Failure, Terminal};
 
@@ -56,7 +56,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (order, tolerance) = (args.solver.order, args.solver.tolerance);
     let series = solve::neumann(&k, &sources, &NeumannOptions { order, tolerance, amplification, progress })?;
 
-    let camera = args.picture.camera(&tracer, &patches);
+    let camera = args::camera(&tracer, &patches);
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
     args.picture.warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;

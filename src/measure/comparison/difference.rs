@@ -170,13 +170,16 @@ pub(super) fn typical_error(places: &[Place]) -> f64 {
     (squares / sum(&|p| p.area * p.channels.len() as f64).max(f64::MIN_POSITIVE)).sqrt()
 }
 
-/// Variance of ΣA(d² − se²) = `excess` as its own terms show it: noise may have longer tails than the normal distribution.
+/// Variance of ΣA(d² − se²) = `excess` as its own terms show it, as far as they come from few batches: noise may have longer tails than the
+/// normal distribution, and a standard error from few batches may be far too small.
 fn spread(places: &[Place], excess: f64) -> f64 {
+    /// From so many degrees of freedom on, standard errors are trusted more and more.
+    const FEW: f64 = 20.0;
     let mean = excess / places.iter().map(|place| place.area).sum::<f64>().max(f64::MIN_POSITIVE);
     let of = |place: &Place| {
         let here: f64 =
             place.channels.iter().map(|&[value, mean, error]| (value - mean).powi(2) - error * error).sum();
-        (place.area * (here - mean)).powi(2)
+        (place.area * (here - mean)).powi(2) * (FEW / place.degrees_of_freedom.max(1.0)).min(1.0)
     };
     places.iter().map(of).sum()
 }

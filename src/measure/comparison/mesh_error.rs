@@ -59,7 +59,7 @@ impl MeshError {
     }
 
     /// How much a patch may be off: what the finer cut changes, or else the coarser.
-    pub(super) fn change(&self) -> &DMatrix<f64> {
+    pub fn change(&self) -> &DMatrix<f64> {
         self.finer.as_ref().unwrap_or(&self.coarser)
     }
 }

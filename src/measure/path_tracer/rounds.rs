@@ -10,7 +10,7 @@ use super::estimate::{BATCH, Half, PathTraced};
 const FIRST: u32 = 4;
 
 /// The least a patch counts for when paths are shared out, as a part of the average patch.
-const FLOOR: f64 = 0.15;
+const FLOOR: f64 = 0.3;
 
 /// When to stop; whichever comes first.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,11 +2,16 @@
 
 use std::io::{self, Write};
 
+use nalgebra::DMatrix;
+
 use super::super::tone::luminance;
-use super::super::{Exposure, Picture};
+use super::super::{Exposure, OutputError, Picture, RenderOptions, render};
 use super::canvas::{Area, Canvas, GREY};
 use super::panel::{MARGIN, TITLE, draw_picture, draw_title, enlargement};
 use super::text::{self, TextSize};
+use crate::patches::Patches;
+use crate::scene::Camera;
+use crate::trace::Tracer;
 
 /// Height of the line above a row of pictures.
 const HEADING: usize = 26;
@@ -20,6 +25,31 @@ pub struct BouncePictures {
     pub sum: Picture,
     /// Of what it adds, KᵏE.
     pub bounce: Picture,
+}
+
+impl BouncePictures {
+    /// Renders the terms E, KE, … of the series (n × c each) and their sums.
+    ///
+    /// # Errors
+    /// As [`render`].
+    ///
+    /// # Panics
+    /// If a term has not n rows.
+    pub fn render(
+        tracer: &Tracer,
+        patches: &Patches,
+        terms: &[DMatrix<f64>],
+        camera: &Camera,
+        options: &RenderOptions,
+    ) -> Result<Vec<Self>, OutputError> {
+        let mut sum = DMatrix::zeros(patches.len(), patches.scene().channels());
+        let orders = terms.iter().enumerate().map(|(order, term)| {
+            sum += term;
+            let [sum, bounce] = [&sum, term].map(|field| render(tracer, patches, field, camera, options));
+            Ok(Self { order, sum: sum?, bounce: bounce? })
+        });
+        orders.collect()
+    }
 }
 
 /// Writes all orders as PNG: sums at one exposure, that of the last; bounces that much brighter as their labels say.
