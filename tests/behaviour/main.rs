@@ -1,6 +1,7 @@
 //! What the crate and its program promise, seen from outside: a map of behaviours.
 
 mod commands; // what the program writes, prints and answers
+mod comparison; // the verdict on right solvers and on wrong ones
 mod files; // what scene files mean, and how bad ones are refused
 mod form_factor_files; // form factors as CSV, Matrix Market and NumPy files, and the command that writes them
 mod form_factors; // closed forms, judged by standard errors
@@ -8,6 +9,7 @@ mod hard_cases; // near-singular, tiny, huge, degenerate: every solver, both sto
 mod health; // what check finds, on sound scenes and on broken ones
 mod lamp_columns; // direct light without bias
 mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, an independent reference
+mod path_tracer; // closed forms and another renderer, judged by standard errors
 mod pictures; // what cameras see: ways of shading agree, nothing lit is black
 mod saved_factors; // what may change around saved form factors, and what may not
 mod structure; // modules import only from their left

@@ -116,9 +116,10 @@ impl PathTraced {
         u64::from(batches) * u64::from(BATCH)
     }
 
-    /// Degrees of freedom of a patch's standard errors.
+    /// Degrees of freedom of a patch's standard errors: half of what normal batch means would have, for these are skewed, and chance
+    /// makes a small standard error of a few of them more easily.
     pub fn degrees_of_freedom(&self, patch: usize) -> f64 {
-        self.halves.iter().map(|half| f64::from(half.batches[patch].saturating_sub(1))).sum()
+        0.5 * self.halves.iter().map(|half| f64::from(half.batches[patch].saturating_sub(1))).sum::<f64>()
     }
 
     /// Irradiance H of a patch, W·m⁻².

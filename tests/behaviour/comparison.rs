@@ -1,0 +1,148 @@
+//! What the comparison with the path tracer says of right solvers, and of wrong ones.
+
+use nalgebra::DMatrix;
+use radiosity::measure::{
+    Agreement, Budget, Comparison, Difference, MeshError, OrderOptions, OrderRow, PathOptions, PathTraced,
+    PathTracer,
+};
+use radiosity::patches::{PatchSize, Patches, Tessellation};
+use radiosity::scene::Scene;
+use radiosity::solve::{self, Amplification, CgOptions};
+use radiosity::trace::Tracer;
+use radiosity::transport::{FormFactors, TraceOptions, Transport};
+
+fn mesh(name: &str) -> Scene {
+    Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// Everything that is compared.
+struct Case<'s> {
+    patches: Patches<'s>,
+    factors: FormFactors,
+    mesh: MeshError,
+    reference: PathTraced,
+}
+
+impl<'s> Case<'s> {
+    fn new(scene: &'s Scene, count: usize, paths: u64, seed: u64) -> Self {
+        let tracer = Tracer::new(scene);
+        let tessellation = Tessellation { size: PatchSize::Count(count), seed, ..Default::default() };
+        let trace = TraceOptions { seed, ..Default::default() };
+        let mut patches = Patches::new(&tracer, &tessellation).unwrap();
+        let factors = FormFactors::trace(&tracer, &mut patches, &trace).unwrap();
+        let mesh = MeshError::estimate(&tracer, &patches, &factors, &tessellation, &trace).unwrap();
+        let budget = Budget { paths: Some(paths), ..Budget::default() };
+        let options = PathOptions { budget, seed, ..Default::default() };
+        let reference = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
+        Self { patches, factors, mesh, reference }
+    }
+
+    /// Irradiance with reflectances that are off by a factor.
+    fn solve(&self, factor: f64) -> DMatrix<f64> {
+        let k = Transport::new(&self.factors, self.patches.reflectances() * factor).unwrap();
+        solve::conjugate_gradients(&k, &self.patches.sources(), &CgOptions::default()).unwrap().irradiance
+    }
+
+    fn compare(&self, irradiance: &DMatrix<f64>) -> Comparison {
+        Comparison::new(&self.patches, irradiance, &self.reference, &self.mesh)
+    }
+}
+
+#[test]
+fn a_right_solver_agrees_on_the_furnace_whatever_the_seed() {
+    for (name, seeds) in [("furnace_cube", 20), ("furnace_sphere", 4)] {
+        let scene = mesh(name);
+        for seed in 0..seeds {
+            let case = Case::new(&scene, 200, 40_000, seed);
+            let comparison = case.compare(&case.solve(1.0));
+            assert_eq!(
+                comparison.agreement,
+                Agreement::WithinNoise,
+                "{name} {seed}: {:?}",
+                comparison.reasons
+            );
+            assert_eq!(comparison.verdict(), "agrees within noise");
+        }
+    }
+}
+
+#[test]
+fn a_right_solver_is_never_called_wrong_on_the_cornell_box_whatever_the_seed() {
+    let scene = Scene::cornell_box();
+    for seed in 0..20 {
+        let case = Case::new(&scene, 800, 100_000, seed);
+        let comparison = case.compare(&case.solve(1.0));
+        assert!(comparison.agreement <= Agreement::MeshExplains, "{seed}: {:?}", comparison.reasons);
+    }
+}
+
+#[test]
+fn wrong_reflectances_a_dropped_row_and_a_wrong_pi_are_explained_by_nothing() {
+    for (name, count) in [("furnace_cube", 300), ("cornell_box", 2000), ("two_rooms", 1000)] {
+        let scene = mesh(name);
+        for seed in 0..2 {
+            let case = Case::new(&scene, count, 400_000, seed);
+            let right = case.solve(1.0);
+            let mut dropped = right.clone();
+            // Neither in the brightest light nor in the dark.
+            let mut by_light: Vec<usize> = (0..case.patches.len()).collect();
+            by_light.sort_by(|&a, &b| right[(a, 0)].total_cmp(&right[(b, 0)]));
+            dropped.row_mut(by_light[by_light.len() / 2]).fill(0.0);
+            let wrong = [
+                ("2 % more reflectance", case.solve(1.02)),
+                ("2 % less reflectance", case.solve(0.98)),
+                ("a dropped row", dropped),
+                ("π = 3.2", &right * (3.2 / std::f64::consts::PI)),
+                ("no π", &right / std::f64::consts::PI),
+            ];
+            for (what, irradiance) in wrong {
+                let comparison = case.compare(&irradiance);
+                let says = comparison.verdict();
+                assert_eq!(comparison.agreement, Agreement::NothingExplains, "{name} {seed} {what}: {says}");
+                assert!(says.starts_with("differs by ") && says.ends_with(", which nothing explains"));
+            }
+            assert!(case.compare(&right).agreement <= Agreement::MeshExplains, "{name} {seed}");
+        }
+    }
+}
+
+#[test]
+fn orders_come_within_their_bounds_of_the_direct_solution() {
+    for name in ["cornell_box", "two_rooms", "facing_plates", "furnace_sphere"] {
+        let scene = mesh(name);
+        let case = Case::new(&scene, 400, 10_000, 0);
+        let k = Transport::of(&case.factors, &case.patches).unwrap();
+        let e = case.patches.sources();
+        let direct = solve::direct(&k, &Default::default()).unwrap().solve(&e).irradiance;
+        let amplification = Amplification::new(&k, &CgOptions::default()).unwrap();
+        let options = OrderOptions { tolerance: 1e-8, ..Default::default() };
+        let rows = OrderRow::all(&k, &e, &direct, &case.reference, &amplification, &options).unwrap();
+        assert!((rows[0].vs_direct - 1.0).abs() < 1e-12, "order 0 has no irradiance");
+        assert!((rows[0].vs_reference.bias + 1.0).abs() < 1e-12);
+        for row in &rows {
+            assert!(row.vs_direct <= row.bound + 1e-12, "{name}: {row:?}");
+        }
+        for pair in rows.windows(2) {
+            assert!(pair[1].vs_direct < pair[0].vs_direct && pair[1].seconds >= pair[0].seconds);
+        }
+        let last = rows.last().unwrap();
+        assert!(last.bound <= 1e-8 && rows[rows.len() - 2].bound > 1e-8);
+        // The bound is worth knowing, not just true.
+        assert!(rows.iter().skip(12).all(|row| row.bound < 100.0 * row.vs_direct), "{name}");
+    }
+}
+
+#[test]
+fn a_difference_is_measured_with_the_noise_taken_off() {
+    let scene = mesh("furnace_cube");
+    let case = Case::new(&scene, 300, 200_000, 1);
+    let right = case.solve(1.0);
+    let noise = case.reference.relative_standard_error();
+    for off in [0.0, 0.02, 0.1] {
+        let difference = Difference::new(&(&right * (1.0 + off)), &case.reference);
+        assert!(noise > 0.005 && difference.uncertainty < noise, "{noise} {difference:?}");
+        let sure = 4.0 * difference.uncertainty;
+        assert!((difference.rms - off).abs() < sure.max(0.2 * noise), "{off}: {difference:?}");
+        assert!((difference.bias - off).abs() < 4.0 * difference.bias_error, "{off}: {difference:?}");
+    }
+}
