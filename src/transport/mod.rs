@@ -6,10 +6,14 @@
 
 mod assembly;
 mod balance;
+mod blocks;
 mod exchange;
 mod form_factors;
 mod groups;
 mod lamp_columns;
+mod landing;
+mod mass;
+mod moments;
 mod operator;
 mod plan;
 mod rays;
@@ -20,9 +24,11 @@ mod solvable;
 mod storage;
 
 pub use balance::Closure;
+pub use blocks::Blocks;
 pub use exchange::Exchange;
 pub use form_factors::{FormFactors, Keep, TraceOptions};
 pub use groups::GroupFactor;
+pub use mass::Mass;
 pub use operator::Transport;
 pub use plan::{Effect, Plan};
 pub use saved::Reuse;

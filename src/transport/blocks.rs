@@ -1,0 +1,271 @@
+//! Blocks: a symmetric matrix for linear elements, three rows a patch, made of what pairs of patches exchange.
+//!
+//! Of pairs between which few rays went the rays are kept as they are, 12 bytes each: one is worth h φ_a(x) φ_b(y), where
+//! h = A_i A_j / ((A_i + A_j) N) is the same for all rays between i and j. Of other pairs, and of those with a lamp, the 3 × 3 block
+//! of sums is kept, 40 bytes. Every pair stands in the rows of both patches, so that a product only gathers; all that is computed
+//! of it commutes in i and j, so that both get the same bits.
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::landing::Landing;
+use super::sections::{Content, FactorsFileError, Section};
+
+/// What i and j exchange by pairs of basis functions: entry 3a + b for φ_a on i and φ_b on j.
+pub(super) type Block = [f32; 9];
+
+/// With so many rays a pair's block takes less than they do.
+const MANY: usize = 3;
+
+/// What a patch found of its exchange with others.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Findings {
+    /// Its rays that landed on patches.
+    pub landings: Vec<Landing>,
+    /// What pairs of points tell of lamps, by lamp patch, ascending.
+    pub lamps: Vec<(u32, [f64; 9])>,
+}
+
+/// A symmetric 3n × 3n matrix by pairs of patches.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Blocks {
+    /// A_i / N, n values.
+    worths: Vec<f64>,
+    /// Per patch, and one more: its first block.
+    block_starts: Vec<usize>,
+    /// The other patch, ascending within a row.
+    partners: Vec<u32>,
+    blocks: Vec<Block>,
+    /// Per patch, and one more: its first landing.
+    landing_starts: Vec<usize>,
+    /// By partner, ascending within a row; of the same partner in the order of [`in_order`].
+    landings: Vec<Landing>,
+}
+
+/// One patch's share of [`Blocks`].
+type Row = (Vec<(u32, Block)>, Vec<Landing>);
+
+impl Blocks {
+    /// Joins what n patches of these areas found by `rays` rays each.
+    pub(super) fn new(areas: &[f64], rays: f64, found: &[Findings]) -> Self {
+        let n = areas.len();
+        // Gather, for each patch, what others found of it.
+        let mut told: Vec<Findings> = vec![Findings::default(); n];
+        for (i, findings) in (0u32..).zip(found) {
+            for landing in &findings.landings {
+                told[landing.partner as usize].landings.push(landing.seen_from_there(i));
+            }
+            for &(j, block) in &findings.lamps {
+                told[j as usize].lamps.push((i, transposed(block)));
+            }
+        }
+        let worths: Vec<f64> = areas.iter().map(|area| area / rays).collect();
+        let rows: Vec<Row> =
+            (0..n).into_par_iter().map(|i| row(i as u32, &found[i], &told[i], &worths)).collect();
+        drop(told);
+        let (mut block_starts, mut landing_starts) = (vec![0], vec![0]);
+        for (blocks, landings) in &rows {
+            block_starts.push(block_starts[block_starts.len() - 1] + blocks.len());
+            landing_starts.push(landing_starts[landing_starts.len() - 1] + landings.len());
+        }
+        let partners = rows.iter().flat_map(|row| row.0.iter().map(|block| block.0)).collect();
+        let blocks = rows.iter().flat_map(|row| row.0.iter().map(|block| block.1)).collect();
+        let landings = rows.iter().flat_map(|row| &row.1).copied().collect();
+        Self { worths, block_starts, partners, blocks, landing_starts, landings }
+    }
+
+    /// Bytes that joining takes for so many patches, and that what comes out takes at most, where each found so many rays.
+    pub(super) fn bytes_for(patches: u64, rays: u64) -> u64 {
+        let landings = 2 * patches * rays;
+        let (all, joined) = (12 * landings, 40 * landings / MANY as u64);
+        2 * all + joined.max(all)
+    }
+
+    /// Adds it to a section of a file.
+    pub(super) fn write(&self, section: &mut Section) {
+        let wide = |starts: &[usize]| starts.iter().map(|&start| start as u64).collect::<Vec<_>>();
+        section.some(&self.worths);
+        section.some(&wide(&self.block_starts));
+        section.some(&self.partners);
+        section.some(&self.blocks);
+        section.some(&wide(&self.landing_starts));
+        section.some(&self.landings);
+    }
+
+    /// Takes what [`Blocks::write`] added for n patches.
+    pub(super) fn read(from: &mut Content, n: usize) -> Result<Self, FactorsFileError> {
+        let starts = |from: &mut Content| -> Result<Vec<usize>, FactorsFileError> {
+            let starts = from.some::<u64>(n + 1)?;
+            let ascending = starts[0] == 0 && starts.is_sorted() && usize::try_from(starts[n]).is_ok();
+            if ascending {
+                Ok(starts.into_iter().map(|start| start as usize).collect())
+            } else {
+                Err(FactorsFileError::Damaged)
+            }
+        };
+        let worths = from.some(n)?;
+        let block_starts = starts(from)?;
+        let (partners, blocks) = (from.some(block_starts[n])?, from.some(block_starts[n])?);
+        let landing_starts = starts(from)?;
+        let landings: Vec<Landing> = from.some(landing_starts[n])?;
+        let mut all = partners.iter().copied().chain(landings.iter().map(|landing| landing.partner));
+        if all.any(|partner: u32| partner as usize >= n) {
+            return Err(FactorsFileError::Damaged);
+        }
+        Ok(Self { worths, block_starts, partners, blocks, landing_starts, landings })
+    }
+
+    /// Number of patches n.
+    pub(super) fn patches(&self) -> usize {
+        self.worths.len()
+    }
+
+    /// Bytes that it takes.
+    pub(super) fn bytes(&self) -> u64 {
+        (40 * self.blocks.len() + 12 * self.landings.len() + 24 * self.worths.len()) as u64
+    }
+
+    /// y ← T x, `LANES` columns of x at a time, laid side by side.
+    pub(super) fn multiply<const LANES: usize>(&self, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
+        let (n, channels) = (self.patches(), x.ncols());
+        for first in (0..channels).step_by(LANES) {
+            let used = LANES.min(channels - first);
+            let lane = |i: usize, k: usize| if k < used { x[(i, first + k)] } else { 0.0 };
+            let beside: Vec<[[f64; LANES]; 3]> = (0..n)
+                .map(|i| std::array::from_fn(|a| std::array::from_fn(|k| lane(3 * i + a, k))))
+                .collect();
+            let sums: Vec<[[f64; LANES]; 3]> =
+                (0..n).into_par_iter().with_min_len(16).map(|i| self.times_row(i, &beside)).collect();
+            for k in 0..used {
+                let y = y.column_mut(first + k).into_iter();
+                y.zip(sums.iter().flatten()).for_each(|(y, sum)| *y = sum[k]);
+            }
+        }
+    }
+
+    /// Three rows of T times x.
+    fn times_row<const LANES: usize>(&self, i: usize, x: &[[[f64; LANES]; 3]]) -> [[f64; LANES]; 3] {
+        let mut sums = [[0.0; LANES]; 3];
+        let range = self.block_starts[i]..self.block_starts[i + 1];
+        for (&j, block) in self.partners[range.clone()].iter().zip(&self.blocks[range]) {
+            let x = &x[j as usize];
+            for a in 0..3 {
+                for b in 0..3 {
+                    let value = f64::from(block[3 * a + b]);
+                    for k in 0..LANES {
+                        sums[a][k] += value * x[b][k];
+                    }
+                }
+            }
+        }
+        for landing in &self.landings[self.landing_starts[i]..self.landing_starts[i + 1]] {
+            // Evaluate x where the ray ends in the partner, and share it out where it ends here.
+            let (x, j) = (&x[landing.partner as usize], landing.partner as usize);
+            let (here, there) = (landing.here.weights(), landing.there.weights());
+            let worth = worth_between(self.worths[i], self.worths[j]);
+            for k in 0..LANES {
+                let value = worth * (there[0] * x[0][k] + there[1] * x[1][k] + there[2] * x[2][k]);
+                for a in 0..3 {
+                    sums[a][k] += here[a] * value;
+                }
+            }
+        }
+        sums
+    }
+
+    /// Multiplies every entry of every block by `factor(k, l)`, which must be symmetric, and 1 wherever no lamp is concerned.
+    pub(super) fn scale_blocks(&mut self, factor: impl Fn(usize, usize) -> f64 + Sync) {
+        for i in 0..self.patches() {
+            let range = self.block_starts[i]..self.block_starts[i + 1];
+            for (&j, block) in self.partners[range.clone()].iter().zip(&mut self.blocks[range]) {
+                for (entry, value) in block.iter_mut().enumerate() {
+                    let factor = factor(3 * i + entry / 3, 3 * j as usize + entry % 3);
+                    *value = (f64::from(*value) * factor) as f32;
+                }
+            }
+        }
+    }
+
+    /// Calls `f(l, T_kl)` for every entry of row k that is not zero.
+    pub(super) fn for_row(&self, k: usize, mut f: impl FnMut(usize, f64)) {
+        let (i, a) = (k / 3, k % 3);
+        let mut three = |j: u32, values: [f64; 3]| {
+            (0..3).filter(|&b| values[b] != 0.0).for_each(|b| f(3 * j as usize + b, values[b]));
+        };
+        let range = self.block_starts[i]..self.block_starts[i + 1];
+        for (&j, block) in self.partners[range.clone()].iter().zip(&self.blocks[range]) {
+            three(j, [0, 1, 2].map(|b| f64::from(block[3 * a + b])));
+        }
+        let landings = &self.landings[self.landing_starts[i]..self.landing_starts[i + 1]];
+        for pair in landings.chunk_by(|a, b| a.partner == b.partner) {
+            let block = sum_of(pair, worth_between(self.worths[i], self.worths[pair[0].partner as usize]));
+            three(pair[0].partner, [0, 1, 2].map(|b| block[3 * a + b]));
+        }
+    }
+
+    /// T_kl.
+    pub(super) fn get(&self, k: usize, l: usize) -> f64 {
+        let (i, j, entry) = (k / 3, (l / 3) as u32, 3 * (k % 3) + l % 3);
+        let first = self.block_starts[i];
+        if let Ok(place) = self.partners[first..self.block_starts[i + 1]].binary_search(&j) {
+            return f64::from(self.blocks[first + place][entry]);
+        }
+        let landings = &self.landings[self.landing_starts[i]..self.landing_starts[i + 1]];
+        let start = landings.partition_point(|landing| landing.partner < j);
+        let end = landings.partition_point(|landing| landing.partner <= j);
+        sum_of(&landings[start..end], worth_between(self.worths[i], self.worths[j as usize]))[entry]
+    }
+}
+
+/// h = A_i A_j / ((A_i + A_j) N) from A_i / N and A_j / N; 0 where neither has an area.
+#[inline]
+fn worth_between(one: f64, other: f64) -> f64 {
+    if one + other > 0.0 { one * other / (one + other) } else { 0.0 }
+}
+
+fn transposed(block: [f64; 9]) -> [f64; 9] {
+    std::array::from_fn(|entry| block[3 * (entry % 3) + entry / 3])
+}
+
+/// Joins what a patch found and what it is told by others.
+fn row(i: u32, found: &Findings, told: &Findings, worths: &[f64]) -> Row {
+    let all = in_order(i, &found.landings, &told.landings);
+    let mut blocks: Vec<(u32, Block)> = Vec::new();
+    let mut lone = Vec::new();
+    for pair in all.chunk_by(|a, b| a.partner == b.partner) {
+        let j = pair[0].partner;
+        if pair.len() < MANY {
+            lone.extend_from_slice(pair);
+        } else {
+            let block = sum_of(pair, worth_between(worths[i as usize], worths[j as usize]));
+            blocks.push((j, block.map(|x| x as f32)));
+        }
+    }
+    // Only one of two patches is a lamp where there is anything to tell of lamps, and no ray counts between them.
+    let of_lamps = found.lamps.iter().chain(&told.lamps);
+    blocks.extend(of_lamps.map(|&(j, block)| (j, block.map(|x| x as f32))));
+    blocks.sort_unstable_by_key(|block| block.0);
+    (blocks, lone)
+}
+
+/// The rays between patch i and others, by partner; first those that the patch of lower number sent, each patch's in the order
+/// in which it sent them.
+fn in_order(i: u32, sent: &[Landing], received: &[Landing]) -> Vec<Landing> {
+    let sent = sent.iter().map(|landing| (landing.partner, landing.partner < i, *landing));
+    let received = received.iter().map(|landing| (landing.partner, i < landing.partner, *landing));
+    let mut all: Vec<(u32, bool, Landing)> = sent.chain(received).collect();
+    all.sort_by_key(|&(partner, second, _)| (partner, second));
+    all.into_iter().map(|(_, _, landing)| landing).collect()
+}
+
+/// Σ h φ_a φ_b over rays, with h the worth of each.
+fn sum_of(rays: &[Landing], worth: f64) -> [f64; 9] {
+    let mut sums = [0.0; 9];
+    for ray in rays {
+        let (here, there) = (ray.here.weights(), ray.there.weights());
+        for (entry, sum) in sums.iter_mut().enumerate() {
+            *sum += here[entry / 3] * there[entry % 3];
+        }
+    }
+    sums.map(|sum| worth * sum)
+}
