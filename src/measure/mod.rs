@@ -3,7 +3,9 @@
 mod comparison;
 mod energy;
 mod health;
+mod undershoot;
 
 pub use comparison::{ReferenceRow, RelativeRms};
 pub use energy::Energy;
 pub use health::{Finding, Verdict, mesh_health, operator_health};
+pub use undershoot::Undershoot;

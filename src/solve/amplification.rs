@@ -11,11 +11,11 @@
 use nalgebra::DMatrix;
 
 use super::conjugate_gradient::iterate;
-use super::spectrum::largest_eigenvalue;
+use super::symmetric::Root;
 use super::{CgOptions, SolveError, bounce, relative};
 use crate::patches::Basis;
 use crate::progress::Progress;
-use crate::transport::Transport;
+use crate::transport::{Transport, ends_of_spectrum, uneven};
 
 /// How sure a bound is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -63,8 +63,18 @@ impl Amplification {
     /// The estimate for linear elements.
     pub(super) fn estimate(k: &Transport, progress: Progress) -> Result<Self, SolveError> {
         let most_reflected: Vec<f64> = k.reflectance().column_iter().map(|column| column.max()).collect();
-        let largest = largest_eigenvalue(k, progress)?;
-        let inverse_norm = most_reflected.iter().zip(&largest).map(|(&rho, &eigenvalue)| {
+        let root = Root::new(k);
+        // Start near what is even and lasts longest.
+        let mut start = DMatrix::from_iterator(k.len(), 1, uneven(k.len()));
+        start.column_mut(0).zip_apply(k.mass().sums(), |x, sum| *x *= sum.sqrt());
+        let start = DMatrix::from_fn(k.len(), k.channels(), |i, _| start[i]);
+        let mut through = DMatrix::zeros(k.len(), k.channels());
+        let ends = ends_of_spectrum(start, |x| {
+            progress.at("solve", 0.0)?;
+            k.exchange().apply(&root.times(x), &mut through);
+            Ok::<_, SolveError>(root.times(&through))
+        })?;
+        let inverse_norm = most_reflected.iter().zip(&ends).map(|(&rho, &[_, eigenvalue])| {
             if eigenvalue < 1.0 { 1.0 + rho / (1.0 - eigenvalue) } else { f64::INFINITY }
         });
         Ok(Self {

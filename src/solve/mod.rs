@@ -12,7 +12,6 @@ mod amplification;
 mod conjugate_gradient;
 mod direct;
 mod neumann;
-mod spectrum;
 mod symmetric;
 
 use nalgebra::DMatrix;
@@ -22,11 +21,13 @@ pub use conjugate_gradient::{CgOptions, conjugate_gradients};
 pub use direct::{Direct, DirectOptions, direct};
 pub use neumann::{Bounce, NeumannOptions, Series, neumann};
 
+use crate::patches::Basis;
 use crate::progress::{Cancelled, Progress};
 use crate::transport::{Transport, readable};
 
-/// Radiance and irradiance of every patch, and how good they are; [`Basis::means`](crate::patches::Basis::means) has the means
-/// over patches.
+/// Radiance and irradiance of every patch, and how good they are.
+///
+/// N is the number of coefficients: of patches n, or 3n for linear elements.
 #[derive(Clone)]
 pub struct Solution {
     /// Radiance L, N × c, W·sr⁻¹·m⁻². Row by row Lₑ + ρH/π.
@@ -35,6 +36,19 @@ pub struct Solution {
     pub irradiance: DMatrix<f64>,
     /// How it was found.
     pub report: Report,
+}
+
+impl Solution {
+    /// The means over patches, n × c, of a solution by coefficients of this basis.
+    pub fn means(self, basis: Basis) -> Self {
+        match basis {
+            Basis::Constant => self,
+            Basis::Linear => {
+                let (radiance, irradiance) = (basis.means(&self.radiance), basis.means(&self.irradiance));
+                Self { radiance, irradiance, report: self.report }
+            }
+        }
+    }
 }
 
 impl std::fmt::Debug for Solution {

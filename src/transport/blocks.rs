@@ -5,11 +5,12 @@
 //! of sums is kept, 40 bytes. Every pair stands in the rows of both patches, so that a product only gathers; all that is computed
 //! of it commutes in i and j, so that both get the same bits.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::landing::Landing;
 use super::sections::{Content, FactorsFileError, Section};
+use super::shrinkage::shrink;
 
 /// What i and j exchange by pairs of basis functions: entry 3a + b for φ_a on i and φ_b on j.
 pub(super) type Block = [f32; 9];
@@ -158,18 +159,21 @@ impl Blocks {
                 }
             }
         }
+        let (mut all, mut taken) = ([0.0; LANES], [0.0; LANES]);
         for landing in &self.landings[self.landing_starts[i]..self.landing_starts[i + 1]] {
             // Evaluate x where the ray ends in the partner, and share it out where it ends here.
             let (x, j) = (&x[landing.partner as usize], landing.partner as usize);
-            let (here, there) = (landing.here.weights(), landing.there.weights());
+            let ([_, u, v], [_, here_u, here_v]) = (landing.there.weights(), landing.here.weights());
             let worth = worth_between(self.worths[i], self.worths[j]);
             for k in 0..LANES {
-                let value = worth * (there[0] * x[0][k] + there[1] * x[1][k] + there[2] * x[2][k]);
-                for a in 0..3 {
-                    sums[a][k] += here[a] * value;
-                }
+                let value = worth * (x[0][k] + u * (x[1][k] - x[0][k]) + v * (x[2][k] - x[0][k]));
+                all[k] += value;
+                sums[1][k] += here_u * value;
+                sums[2][k] += here_v * value;
+                taken[k] += (here_u + here_v) * value;
             }
         }
+        (0..LANES).for_each(|k| sums[0][k] += all[k] - taken[k]);
         sums
     }
 
@@ -186,21 +190,56 @@ impl Blocks {
         }
     }
 
-    /// Calls `f(l, T_kl)` for every entry of row k that is not zero.
-    pub(super) fn for_row(&self, k: usize, mut f: impl FnMut(usize, f64)) {
-        let (i, a) = (k / 3, k % 3);
-        let mut three = |j: u32, values: [f64; 3]| {
-            (0..3).filter(|&b| values[b] != 0.0).for_each(|b| f(3 * j as usize + b, values[b]));
+    /// T_τ D T D T_τ with T_τ the shrinkage of each patch's three coefficients by τ.
+    pub(super) fn shrunk(self, scale: &DVector<f64>, tau: f64) -> Self {
+        let n = self.patches();
+        let row = |i: usize| -> Vec<(u32, Block)> {
+            let mut row: Vec<(u32, [f64; 9])> = Vec::new();
+            self.for_pairs(i, |j, block| row.push((j, block)));
+            row.sort_unstable_by_key(|pair| pair.0);
+            let scaled = |j: usize, block: [f64; 9]| -> [f64; 9] {
+                std::array::from_fn(|e| (scale[3 * i + e / 3] * scale[3 * j + e % 3]) * block[e])
+            };
+            let shrunk = |(j, block): (u32, [f64; 9])| {
+                let block = scaled(j as usize, block);
+                // Always computed from the side of the lower number: the same bits for both.
+                let shrunk = if (j as usize) < i {
+                    transposed(shrunk_block(transposed(block), tau))
+                } else {
+                    shrunk_block(block, tau)
+                };
+                (j, shrunk.map(|x| x as f32))
+            };
+            row.into_iter().map(shrunk).collect()
         };
+        let rows: Vec<Vec<(u32, Block)>> = (0..n).into_par_iter().map(row).collect();
+        let mut block_starts = vec![0];
+        rows.iter().for_each(|row| block_starts.push(block_starts[block_starts.len() - 1] + row.len()));
+        let (partners, blocks) = rows.into_iter().flatten().unzip();
+        let (landing_starts, landings) = (vec![0; n + 1], Vec::new());
+        Self { worths: self.worths, block_starts, partners, blocks, landing_starts, landings }
+    }
+
+    /// Calls `f(j, block)` for every patch j that patch i exchanges anything with.
+    fn for_pairs(&self, i: usize, mut f: impl FnMut(u32, [f64; 9])) {
         let range = self.block_starts[i]..self.block_starts[i + 1];
         for (&j, block) in self.partners[range.clone()].iter().zip(&self.blocks[range]) {
-            three(j, [0, 1, 2].map(|b| f64::from(block[3 * a + b])));
+            f(j, block.map(f64::from));
         }
         let landings = &self.landings[self.landing_starts[i]..self.landing_starts[i + 1]];
         for pair in landings.chunk_by(|a, b| a.partner == b.partner) {
-            let block = sum_of(pair, worth_between(self.worths[i], self.worths[pair[0].partner as usize]));
-            three(pair[0].partner, [0, 1, 2].map(|b| block[3 * a + b]));
+            let j = pair[0].partner;
+            f(j, sum_of(pair, worth_between(self.worths[i], self.worths[j as usize])));
         }
+    }
+
+    /// Calls `f(l, T_kl)` for every entry of row k that is not zero.
+    pub(super) fn for_row(&self, k: usize, mut f: impl FnMut(usize, f64)) {
+        let (i, a) = (k / 3, k % 3);
+        self.for_pairs(i, |j, block| {
+            let entries = (0..3).map(|b| (3 * j as usize + b, block[3 * a + b]));
+            entries.filter(|entry| entry.1 != 0.0).for_each(|(l, value)| f(l, value));
+        });
     }
 
     /// T_kl.
@@ -221,6 +260,14 @@ impl Blocks {
 #[inline]
 fn worth_between(one: f64, other: f64) -> f64 {
     if one + other > 0.0 { one * other / (one + other) } else { 0.0 }
+}
+
+/// T_τ B T_τ.
+pub(super) fn shrunk_block(mut block: [f64; 9], tau: f64) -> [f64; 9] {
+    shrink(&mut block, tau);
+    let mut turned = transposed(block);
+    shrink(&mut turned, tau);
+    transposed(turned)
 }
 
 fn transposed(block: [f64; 9]) -> [f64; 9] {

@@ -12,6 +12,7 @@ use super::assembly::{Raw, assemble};
 use super::balance::{self, Closure};
 use super::mass::Mass;
 use super::rays::Rows;
+use super::shrinkage;
 use super::storage::{Storage, StorageKind};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
@@ -24,6 +25,8 @@ pub struct Exchange {
     escape: DVector<f64>,
     mass: Mass,
     closure: Closure,
+    /// τ, by which what varies within patches was taken.
+    shrinkage: f64,
 }
 
 impl Exchange {
@@ -59,7 +62,29 @@ impl Exchange {
             balance::balance(&storage, &escape, mass.sums(), &DVector::repeat(n, 1.0), progress)?
         };
         escape.component_mul_assign(&scale);
-        Ok(Self { storage, scale, escape, mass, closure })
+        let balanced = Self { storage, scale, escape, mass, closure, shrinkage: 1.0 };
+        match balanced.basis() {
+            Basis::Constant => Ok(balanced),
+            Basis::Linear => balanced.shrunk(progress),
+        }
+    }
+
+    /// Takes what varies within patches by the factor that keeps a bounce from adding energy.
+    fn shrunk(self, progress: Progress) -> Result<Self, Cancelled> {
+        let shrinkage = shrinkage::needed(&self.storage, &self.scale, &self.mass, progress)?;
+        if shrinkage == 1.0 {
+            return Ok(self);
+        }
+        let Self { storage, scale, mut escape, mass, closure: before, .. } = self;
+        let storage = storage.shrunk(&scale, shrinkage);
+        shrinkage::shrink(escape.as_mut_slice(), shrinkage);
+        // Rows close as before but for rounding.
+        let start = DVector::repeat(mass.len(), 1.0);
+        let (scale, after) = balance::balance(&storage, &escape, mass.sums(), &start, progress)?;
+        escape.component_mul_assign(&scale);
+        let iterations = before.iterations + after.iterations;
+        let closure = Closure { iterations, after: after.after, ..before };
+        Ok(Self { storage, scale, escape, mass, closure, shrinkage })
     }
 
     /// The ideal sphere, S = A Aᵀ / ΣA: every point sees every area alike. Closed forms are known for all its answers.
@@ -91,8 +116,9 @@ impl Exchange {
         escape: DVector<f64>,
         mass: Mass,
         closure: Closure,
+        shrinkage: f64,
     ) -> Self {
-        Self { storage, scale, escape, mass, closure }
+        Self { storage, scale, escape, mass, closure, shrinkage }
     }
 
     /// T and D.
@@ -144,6 +170,12 @@ impl Exchange {
     /// How well rows close, before and after balancing.
     pub fn closure(&self) -> &Closure {
         &self.closure
+    }
+
+    /// By which factor τ, ½ to 1, what varies within patches had to be taken for a bounce not to add energy; 1 with enough rays,
+    /// and for constant elements.
+    pub fn shrinkage(&self) -> f64 {
+        self.shrinkage
     }
 
     /// Bytes that the matrix takes.

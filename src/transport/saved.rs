@@ -77,7 +77,7 @@ impl FormFactors {
         section.some(scale.as_slice());
         section.some(self.exchange().escape().as_slice());
         let Closure { before, after, iterations } = *self.exchange().closure();
-        section.some(&[before, after]);
+        section.some(&[before, after, self.exchange().shrinkage()]);
         section.one(iterations as u64);
         section.write(to)?;
         rows_section(rows).write(to)
@@ -112,7 +112,8 @@ impl FormFactors {
         if same_light && lamps.faces().eq(saved.lamp_faces.iter().copied()) {
             let rows = (keep == Keep::Rays).then(|| saved.read_rows(file)).transpose()?;
             let mass = Mass::new(saved.recipe.basis, patches.areas());
-            let exchange = Exchange::from_raw(saved.storage, saved.scale, saved.escape, mass, saved.closure);
+            let Saved { storage, scale, escape, closure, shrinkage, .. } = saved;
+            let exchange = Exchange::from_raw(storage, scale, escape, mass, closure, shrinkage);
             let reuse = Reuse { traced: 0, held, balanced: true };
             return Ok((patches, Self::from_parts(exchange, per_patch, rows), reuse));
         }
@@ -160,6 +161,7 @@ struct Saved {
     scale: DVector<f64>,
     escape: DVector<f64>,
     closure: Closure,
+    shrinkage: f64,
 }
 
 impl Saved {
@@ -211,10 +213,11 @@ impl Saved {
             _ => return Err(Damaged),
         };
         let (scale, escape) = (DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?));
-        let (before, after, iterations) = (from.one()?, from.one()?, from.one::<u64>()? as usize);
+        let (before, after, shrinkage) = (from.one()?, from.one()?, from.one()?);
+        let iterations = from.one::<u64>()? as usize;
         let closure = Closure { before, after, iterations };
         let recipe = Recipe { count, seed, basis };
-        Ok(Self { light, edge, recipe, lamp_faces, held, slots, storage, scale, escape, closure })
+        Ok(Self { light, edge, recipe, lamp_faces, held, slots, storage, scale, escape, closure, shrinkage })
     }
 
     /// Reads the second section.

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sprs::CsMatI;
 
-use super::blocks::Blocks;
+use super::blocks::{Blocks, shrunk_block};
 
 /// A symmetric N × N matrix of non-negative numbers.
 #[derive(Clone, Debug)]
@@ -78,6 +78,16 @@ impl Storage {
         }
     }
 
+    /// T_τ D T D T_τ with T_τ the shrinkage of each patch's three coefficients by τ.
+    pub(super) fn shrunk(self, scale: &DVector<f64>, tau: f64) -> Self {
+        match self {
+            Storage::Blocks(m) => Storage::Blocks(m.shrunk(scale, tau)),
+            Storage::Dense(m) => Storage::Dense(shrunk_dense(m, scale, tau)),
+            // Compressed rows are for constant elements, of which nothing varies.
+            sparse @ Storage::Sparse(_) => sparse,
+        }
+    }
+
     /// Calls `f(j, T_ij)` for every entry of row i that is not zero.
     pub(super) fn for_row(&self, i: usize, mut f: impl FnMut(usize, f64)) {
         match self {
@@ -91,6 +101,24 @@ impl Storage {
             Storage::Blocks(m) => m.for_row(i, f),
         }
     }
+}
+
+fn shrunk_dense(mut m: DMatrix<f32>, scale: &DVector<f64>, tau: f64) -> DMatrix<f32> {
+    for first in (0..m.ncols()).step_by(3) {
+        for second in (first..m.ncols()).step_by(3) {
+            let at = |entry: usize| (first + entry / 3, second + entry % 3);
+            let block = std::array::from_fn(|entry| {
+                let (k, l) = at(entry);
+                (scale[k] * scale[l]) * f64::from(m[(k, l)])
+            });
+            for (entry, value) in shrunk_block(block, tau).into_iter().enumerate() {
+                let (k, l) = at(entry);
+                m[(k, l)] = value as f32;
+                m[(l, k)] = value as f32;
+            }
+        }
+    }
+    m
 }
 
 /// Rows of T in turn, each against a stretch of every column of x while the stretch is at hand.

@@ -7,7 +7,7 @@ use radiosity::patches::Patches;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, TraceOptions};
 
-use crate::args::{AccuracyArgs, RunArgs};
+use crate::args::{AccuracyArgs, BasisArg, RunArgs};
 use crate::terminal::{Failure, Terminal};
 
 /// How to get form factors.
@@ -15,6 +15,10 @@ use crate::terminal::{Failure, Terminal};
 pub struct FactorsArgs {
     #[command(flatten)]
     accuracy: AccuracyArgs,
+
+    /// How light varies over a patch
+    #[arg(long, value_enum, default_value_t = BasisArg::Constant, help_heading = "Accuracy")]
+    basis: BasisArg,
 
     /// Write the form factors to a file, for --factors
     #[arg(long, value_name = "FILE", help_heading = "Accuracy")]
@@ -26,7 +30,7 @@ pub struct FactorsArgs {
         long,
         value_name = "FILE",
         help_heading = "Accuracy",
-        conflicts_with_all = ["patches", "edge", "rays", "storage"]
+        conflicts_with_all = ["patches", "edge", "rays", "storage", "basis"]
     )]
     factors: Option<PathBuf>,
 }
@@ -42,7 +46,8 @@ impl FactorsArgs {
         let progress = terminal.progress();
         let keep = if self.save_factors.is_some() { Keep::Rays } else { Keep::Nothing };
         let tessellation = self.accuracy.tessellation(run, progress);
-        let trace = TraceOptions { keep, ..self.accuracy.trace(run, progress) };
+        let basis = self.basis.basis();
+        let trace = TraceOptions { keep, basis, ..self.accuracy.trace(run, progress) };
         let (patches, factors) = match &self.factors {
             Some(path) => {
                 let refused = |e: &dyn std::fmt::Display| format!("cannot use {}: {e}", path.display());

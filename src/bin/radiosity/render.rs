@@ -34,9 +34,12 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let tracer = Tracer::new(&scene);
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
-    let solution = solve::solve(&k, &patches.sources(), &args.solver.options(&args.run, progress))?;
+    let basis = factors.basis();
+    let sources = basis.coefficients_of(&patches.sources());
+    let solution = solve::solve(&k, &sources, &args.solver.options(&args.run, progress))?;
+    let radiance = basis.means(&solution.radiance);
     let camera = args.picture.camera(&tracer, &patches);
-    let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
+    let picture = output::render(&tracer, &patches, &radiance, &camera, &look)?;
     progress.at("write", 0.0)?;
     let mut outputs = args.scene.outputs(&scene)?;
     args.picture.write(&picture, &mut outputs)?;
