@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::landing::Landing;
+use super::landing::{Landing, Spot};
 use super::sections::{Content, FactorsFileError, Section};
 use super::shrinkage::shrink;
 
@@ -132,8 +132,11 @@ impl Blocks {
         for first in (0..channels).step_by(LANES) {
             let used = LANES.min(channels - first);
             let lane = |i: usize, k: usize| if k < used { x[(i, first + k)] } else { 0.0 };
-            let beside: Vec<[[f64; LANES]; 3]> = (0..n)
-                .map(|i| std::array::from_fn(|a| std::array::from_fn(|k| lane(3 * i + a, k))))
+            let beside: Vec<Beside<LANES>> = (0..n)
+                .map(|i| {
+                    let corners = std::array::from_fn(|a| std::array::from_fn(|k| lane(3 * i + a, k)));
+                    Beside::new(corners, self.worths[i])
+                })
                 .collect();
             let sums: Vec<[[f64; LANES]; 3]> =
                 (0..n).into_par_iter().with_min_len(16).map(|i| self.times_row(i, &beside)).collect();
@@ -145,11 +148,11 @@ impl Blocks {
     }
 
     /// Three rows of T times x.
-    fn times_row<const LANES: usize>(&self, i: usize, x: &[[[f64; LANES]; 3]]) -> [[f64; LANES]; 3] {
+    fn times_row<const LANES: usize>(&self, i: usize, x: &[Beside<LANES>]) -> [[f64; LANES]; 3] {
         let mut sums = [[0.0; LANES]; 3];
         let range = self.block_starts[i]..self.block_starts[i + 1];
         for (&j, block) in self.partners[range.clone()].iter().zip(&self.blocks[range]) {
-            let x = &x[j as usize];
+            let x = &x[j as usize].corners;
             for a in 0..3 {
                 for b in 0..3 {
                     let value = f64::from(block[3 * a + b]);
@@ -159,21 +162,26 @@ impl Blocks {
                 }
             }
         }
-        let (mut all, mut taken) = ([0.0; LANES], [0.0; LANES]);
+        // Sum up over rays the value of x where they end in the partner, plain and by both steps of where they end here ...
+        let (mut plain, mut by_u, mut by_v) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for landing in &self.landings[self.landing_starts[i]..self.landing_starts[i + 1]] {
-            // Evaluate x where the ray ends in the partner, and share it out where it ends here.
-            let (x, j) = (&x[landing.partner as usize], landing.partner as usize);
-            let ([_, u, v], [_, here_u, here_v]) = (landing.there.weights(), landing.here.weights());
-            let worth = worth_between(self.worths[i], self.worths[j]);
+            let x = &x[landing.partner as usize];
+            let ([u, v], [here_u, here_v]) = (landing.there.steps(), landing.here.steps());
+            let worth = worth_between(self.worths[i], x.worth);
             for k in 0..LANES {
-                let value = worth * (x[0][k] + u * (x[1][k] - x[0][k]) + v * (x[2][k] - x[0][k]));
-                all[k] += value;
-                sums[1][k] += here_u * value;
-                sums[2][k] += here_v * value;
-                taken[k] += (here_u + here_v) * value;
+                let value = worth * (x.origin[k] + u * x.slopes[0][k] + v * x.slopes[1][k]);
+                plain[k] += value;
+                by_u[k] += here_u * value;
+                by_v[k] += here_v * value;
             }
         }
-        (0..LANES).for_each(|k| sums[0][k] += all[k] - taken[k]);
+        // ... and share the sums out among the corners.
+        for k in 0..LANES {
+            let [a, b, c] = Spot::weights_of([by_u[k], by_v[k]], plain[k]);
+            sums[0][k] += a;
+            sums[1][k] += b;
+            sums[2][k] += c;
+        }
         sums
     }
 
@@ -253,6 +261,25 @@ impl Blocks {
         let start = landings.partition_point(|landing| landing.partner < j);
         let end = landings.partition_point(|landing| landing.partner <= j);
         sum_of(&landings[start..end], worth_between(self.worths[i], self.worths[j as usize]))[entry]
+    }
+}
+
+/// What a product needs of one patch: x there, in both ways.
+struct Beside<const LANES: usize> {
+    corners: [[f64; LANES]; 3],
+    /// x at no steps from the first corner, and how it changes by a step.
+    origin: [f64; LANES],
+    slopes: [[f64; LANES]; 2],
+    /// A / N.
+    worth: f64,
+}
+
+impl<const LANES: usize> Beside<LANES> {
+    fn new(corners: [[f64; LANES]; 3], worth: f64) -> Self {
+        let at = Spot::weights_of([0.0; 2], 1.0);
+        let origin = std::array::from_fn(|k| (0..3).map(|a| at[a] * corners[a][k]).sum());
+        let slope = |a: usize| std::array::from_fn(|k| (corners[a][k] - corners[0][k]) / Spot::STEPS);
+        Self { corners, origin, slopes: [slope(1), slope(2)], worth }
     }
 }
 

@@ -10,7 +10,8 @@ use crate::patches::Barycentrics;
 pub(super) struct Spot([u16; 2]);
 
 impl Spot {
-    const STEPS: f64 = 65536.0;
+    /// Steps along a leg.
+    pub const STEPS: f64 = 65536.0;
 
     /// The place with these weights of the second and third corner, none negative and their sum 1 at most.
     pub fn at([u, v]: Barycentrics) -> Self {
@@ -20,11 +21,24 @@ impl Spot {
         Self([u, v])
     }
 
+    /// Steps from the first corner towards the second and the third.
+    #[inline]
+    pub fn steps(self) -> [f64; 2] {
+        self.0.map(f64::from)
+    }
+
     /// Weights of the three corners, positive.
     #[inline]
     pub fn weights(self) -> [f64; 3] {
-        let [u, v] = self.0.map(|x| (f64::from(x) + 1.0 / 3.0) / Self::STEPS);
-        [1.0 - u - v, u, v]
+        Self::weights_of(self.steps(), 1.0)
+    }
+
+    /// The weights of corners summed over places: linear in the places' steps, and in their number.
+    #[inline]
+    pub fn weights_of(steps: [f64; 2], places: f64) -> [f64; 3] {
+        // A place stands for the middle of the steps it was rounded down from.
+        let [u, v] = steps.map(|steps| (steps + places / 3.0) / Self::STEPS);
+        [places - u - v, u, v]
     }
 }
 
