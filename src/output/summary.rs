@@ -91,7 +91,7 @@ pub struct SeriesSummary {
     pub order: usize,
     /// ‖E − (I − K)L‖∞ / ‖E‖∞.
     pub residual: f64,
-    /// *Guaranteed* bound on ‖error‖∞ / ‖L‖∞.
+    /// Bound on the relative error, as in [`Report::bound`].
     pub bound: f64,
     /// ‖L − L_solver‖∞ / ‖L_solver‖∞, how far the two solvers are apart.
     pub difference: f64,
@@ -108,7 +108,7 @@ pub struct BounceSummary {
     pub flux: [f64; 3],
     /// Relative residual of the sum up to here.
     pub residual: f64,
-    /// *Guaranteed* bound on ‖error‖∞ / ‖L‖∞ of the sum up to here.
+    /// Bound on the relative error of the sum up to here, as in [`Report::bound`].
     pub bound: f64,
 }
 

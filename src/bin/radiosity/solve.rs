@@ -144,15 +144,18 @@ fn report(summary: &Summary, faces: usize, exchange: &Exchange) -> String {
         ),
         format!("  order  flux it adds (W)            residual  {}", bounds[0]),
     ];
-    if exchange.shrinkage() < 1.0 {
-        let kept = format!("variation within patches taken by {:.3}, for so few rays", exchange.shrinkage());
-        lines.insert(2, format!("              {kept}"));
-    }
     if summary.undershoot.share > 0.0 {
         let [share, depth] = [summary.undershoot.share, summary.undershoot.depth].map(|part| 100.0 * part);
+        let line = format!(
+            "undershoot    below zero at corners on {share:.1} % of the area, by {depth:.2} % of the brightest at most"
+        );
+        lines.insert(lines.len() - 2, line);
+    }
+    if exchange.shrinkage() < 1.0 {
+        let kept = exchange.shrinkage();
         lines.insert(
             2,
-            format!("dark corners  below zero on {share:.1} % of the area, by {depth:.2} % of the brightest"),
+            format!("shrinkage     what varies within patches by {kept:.3}, for rays are too few for more"),
         );
     }
     let told = |order: usize| order <= 5 || order.is_multiple_of(10) || order == series.order;
