@@ -1,6 +1,6 @@
 //! Blocks: a symmetric matrix for linear elements, three rows a patch, made of what pairs of patches exchange.
 //!
-//! Of pairs between which few rays went the rays are kept as they are, 12 bytes each: one is worth h φ_a(x) φ_b(y), where
+//! Of pairs between which few rays went the rays are kept as they are, 8 bytes each: one is worth h φ_a(x) φ_b(y), where
 //! h = A_i A_j / ((A_i + A_j) N) is the same for all rays between i and j. Of other pairs, and of those with a lamp, the 3 × 3 block
 //! of sums is kept, 40 bytes. Every pair stands in the rows of both patches, so that a product only gathers; all that is computed
 //! of it commutes in i and j, so that both get the same bits.
@@ -16,7 +16,7 @@ use super::shrinkage::shrink;
 pub(super) type Block = [f32; 9];
 
 /// With so many rays a pair's block takes less than they do.
-const MANY: usize = 3;
+const MANY: usize = 5;
 
 /// What a patch found of its exchange with others.
 #[derive(Clone, Debug, Default)]
@@ -78,7 +78,7 @@ impl Blocks {
     /// Bytes that joining takes for so many patches, and that what comes out takes at most, where each found so many rays.
     pub(super) fn bytes_for(patches: u64, rays: u64) -> u64 {
         let landings = 2 * patches * rays;
-        let (all, joined) = (12 * landings, 40 * landings / MANY as u64);
+        let (all, joined) = (8 * landings, 40 * landings / MANY as u64);
         2 * all + joined.max(all)
     }
 
@@ -123,7 +123,7 @@ impl Blocks {
 
     /// Bytes that it takes.
     pub(super) fn bytes(&self) -> u64 {
-        (40 * self.blocks.len() + 12 * self.landings.len() + 24 * self.worths.len()) as u64
+        (40 * self.blocks.len() + 8 * self.landings.len() + 24 * self.worths.len()) as u64
     }
 
     /// y ← T x, `LANES` columns of x at a time, laid side by side.

@@ -16,7 +16,7 @@ pub enum Keep {
     /// Nothing.
     #[default]
     Nothing,
-    /// All: 4 bytes a ray (8 for linear elements), for standard errors and for saving.
+    /// All: 4 bytes a ray (6 for linear elements), for standard errors and for saving.
     Rays,
 }
 

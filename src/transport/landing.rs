@@ -4,20 +4,20 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::patches::Barycentrics;
 
-/// A place in a patch, to 1/65536 of its legs.
+/// A place in a patch, to 1/256 of its legs: far less than what separates a patch's rays from each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
-pub(super) struct Spot([u16; 2]);
+pub(super) struct Spot([u8; 2]);
 
 impl Spot {
     /// Steps along a leg.
-    pub const STEPS: f64 = 65536.0;
+    pub const STEPS: f64 = 256.0;
 
     /// The place with these weights of the second and third corner, none negative and their sum 1 at most.
     pub fn at([u, v]: Barycentrics) -> Self {
-        let u = (u * Self::STEPS).min(Self::STEPS - 1.0) as u16;
+        let u = (u * Self::STEPS).min(Self::STEPS - 1.0) as u8;
         // Rounding must not carry it over the third side.
-        let v = (v * Self::STEPS).min(Self::STEPS - 1.0 - f64::from(u)) as u16;
+        let v = (v * Self::STEPS).min(Self::STEPS - 1.0 - f64::from(u)) as u8;
         Self([u, v])
     }
 
@@ -27,7 +27,7 @@ impl Spot {
         self.0.map(f64::from)
     }
 
-    /// Weights of the three corners, positive.
+    /// Weights of the three corners, none negative.
     #[inline]
     pub fn weights(self) -> [f64; 3] {
         Self::weights_of(self.steps(), 1.0)
@@ -37,7 +37,7 @@ impl Spot {
     #[inline]
     pub fn weights_of(steps: [f64; 2], places: f64) -> [f64; 3] {
         // A place stands for the middle of the steps it was rounded down from.
-        let [u, v] = steps.map(|steps| (steps + places / 3.0) / Self::STEPS);
+        let [u, v] = steps.map(|steps| (steps + 0.5 * places) / Self::STEPS);
         [places - u - v, u, v]
     }
 }
@@ -72,8 +72,8 @@ mod tests {
             [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (1.0 / 3.0, 1.0 / 3.0), (0.999999, 1e-6)]
         {
             let [a, b, c] = at(u, v);
-            assert!(a > 0.0 && b > 0.0 && c > 0.0, "{a} {b} {c}");
-            assert!((b - u).abs() < 2e-5 && (c - v).abs() < 2e-5, "{u} {v}: {b} {c}");
+            assert!(a >= 0.0 && b > 0.0 && c > 0.0 && a + b + c == 1.0, "{a} {b} {c}");
+            assert!((b - u).abs() <= 1.0 / 256.0 && (c - v).abs() <= 1.0 / 256.0, "{u} {v}: {b} {c}");
         }
     }
 }

@@ -25,7 +25,7 @@ pub enum StorageKind {
     Auto,
     /// A full matrix: 4 N² bytes.
     Dense,
-    /// What is not zero: 8 bytes an entry; for linear elements 12 bytes a ray and 40 bytes a pair of patches with several rays,
+    /// What is not zero: 8 bytes an entry; for linear elements 8 bytes a ray and 40 bytes a pair of patches with several rays,
     /// all of it twice.
     Sparse,
 }
