@@ -102,6 +102,13 @@ fn linear_elements_are_saved_with_all_that_other_lamps_need() {
         let tracer = Tracer::new(&both);
         let (patches, fresh) = traced_for(&tracer, (Basis::Linear, StorageKind::Auto));
         assert_eq!(adapted, irradiance(&patches, &fresh));
+        // The same lamps over black walls: fewer sides are reached, and what is known of lamps is taken from the file.
+        let black = scene([5.0, 0.0], 0.0);
+        let (adapted, reuse) = solved_with(&file, &black);
+        assert!(!reuse.balanced && reuse.traced == 0, "{reuse:?}");
+        let tracer_of_black = Tracer::new(&black);
+        let (patches, fresh) = traced_for(&tracer_of_black, (Basis::Linear, StorageKind::Auto));
+        assert_eq!(adapted, irradiance(&patches, &fresh));
         // Damage is found before anything is made of it.
         for place in [100, file.len() / 3] {
             let mut altered = file.clone();
