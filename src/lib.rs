@@ -91,6 +91,9 @@ pub enum Error {
     /// From solving.
     #[error(transparent)]
     Solve(#[from] solve::SolveError),
+    /// From measuring.
+    #[error(transparent)]
+    Measure(#[from] measure::MeasureError),
     /// From making or writing results.
     #[error(transparent)]
     Output(#[from] output::OutputError),

@@ -1,11 +1,46 @@
 //! Measure: how good an answer is, and what it is made from.
+//!
+//! [`PathTracer`] is the independent witness; [`Comparison`] holds an answer against it. [`Energy`] and the health reports need no
+//! witness: they look at the answer itself.
 
 mod comparison;
 mod energy;
 mod health;
+mod path_tracer;
 mod undershoot;
 
-pub use comparison::{ReferenceRow, RelativeRms};
+use crate::patches::PatchError;
+use crate::progress::Cancelled;
+use crate::solve::SolveError;
+use crate::transport::TransportError;
+pub use comparison::{
+    Agreement, Comparison, Difference, MeshError, OrderOptions, OrderRow, Reason, ReferenceRow, RelativeRms,
+    Worst,
+};
 pub use energy::Energy;
 pub use health::{Finding, Verdict, mesh_health, operator_health};
+pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
 pub use undershoot::Undershoot;
+
+/// Why something could not be measured.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeasureError {
+    /// Nothing would end the work, or before it begins.
+    #[error(
+        "a path tracer needs a budget: a standard error, a time or a number of paths, each above 0 where it is given"
+    )]
+    Budget,
+    /// From cutting the scene anew.
+    #[error(transparent)]
+    Patches(#[from] PatchError),
+    /// From tracing form factors anew.
+    #[error(transparent)]
+    Transport(#[from] TransportError),
+    /// From solving anew.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// The observer asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}

@@ -2,8 +2,11 @@
 //!
 //! [`render`] looks at a radiance field through a camera and gives a [`Picture`] of linear radiance; an [`Exposure`]
 //! makes it fit for a screen. [`write_ply`] puts the same colours on the patches themselves, [`write_faces`] and
-//! [`write_patches`] make tables. [`Outputs`] replaces the files of a run together: all of them whole, or none.
+//! [`write_patches`] make tables. [`write_comparison`], [`write_bounces`] and [`write_orders_plot`] make figures
+//! with words. [`Outputs`] replaces the files of a run together: all of them whole, or none.
 
+mod comparison;
+mod figure;
 mod file;
 mod form_factors;
 mod image;
@@ -20,6 +23,13 @@ use std::path::PathBuf;
 
 use crate::progress::Cancelled;
 
+pub use self::comparison::{
+    ComparisonSummary, DirectSummary, OrderSummary, ReferenceSummary, write_comparison_summary,
+    write_comparison_table,
+};
+pub use self::figure::{
+    BouncePictures, ComparisonOptions, OrdersPlot, write_bounces, write_comparison, write_orders_plot,
+};
 pub use self::file::{Outputs, replace};
 pub use self::form_factors::{FactorFormat, FactorTable, write_form_factors};
 pub use self::image::{Outlines, RenderOptions, Shading, render};
@@ -63,6 +73,12 @@ pub enum OutputError {
         width: usize,
         /// Pixels down.
         height: usize,
+    },
+    /// So many random samples can't be taken.
+    #[error("a pixel can't have {samples} samples; take 1 to 1048576")]
+    Samples {
+        /// Samples per pixel.
+        samples: u32,
     },
     /// The camera can't make a picture.
     #[error(

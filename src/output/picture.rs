@@ -84,10 +84,7 @@ impl Picture {
     /// # Errors
     /// Those of `writer`.
     pub fn write_png(&self, writer: &mut dyn Write, exposure: Exposure) -> io::Result<()> {
-        let encoder =
-            png::PngEncoder::new_with_quality(writer, png::CompressionType::Fast, png::FilterType::Adaptive);
-        let (width, height) = self.size_u32();
-        encoder.write_image(&self.to_srgb(exposure), width, height, ExtendedColorType::Rgb8).map_err(io_error)
+        write_rgb_png(writer, &self.to_srgb(exposure), self.width, self.height)
     }
 
     /// Writes linear radiance (W·sr⁻¹·m⁻²) as OpenEXR, f32.
@@ -98,8 +95,8 @@ impl Picture {
         let bytes: Vec<u8> = self.pixels.iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
         // The encoder seeks, which a pipe can't; so it writes to memory first.
         let mut file = Cursor::new(Vec::new());
-        let (width, height) = self.size_u32();
         let encoder = OpenExrEncoder::new(&mut file);
+        let (width, height) = (self.width as u32, self.height as u32);
         encoder.write_image(&bytes, width, height, ExtendedColorType::Rgb32F).map_err(io_error)?;
         writer.write_all(&file.into_inner())
     }
@@ -112,9 +109,22 @@ impl Picture {
         replace(path, |writer| self.write_png(writer, exposure))
     }
 
-    fn size_u32(&self) -> (u32, u32) {
-        (self.width as u32, self.height as u32)
+    /// Whether no light arrives anywhere.
+    pub fn is_black(&self) -> bool {
+        self.pixels.iter().flatten().all(|&x| x <= 0.0)
     }
+}
+
+/// Writes sRGB bytes as PNG, 8 bits a channel.
+pub(super) fn write_rgb_png(
+    writer: &mut dyn Write,
+    bytes: &[u8],
+    width: usize,
+    height: usize,
+) -> io::Result<()> {
+    let encoder =
+        png::PngEncoder::new_with_quality(writer, png::CompressionType::Fast, png::FilterType::Adaptive);
+    encoder.write_image(bytes, width as u32, height as u32, ExtendedColorType::Rgb8).map_err(io_error)
 }
 
 fn io_error(error: ImageError) -> io::Error {

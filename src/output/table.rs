@@ -101,13 +101,24 @@ fn quantities(irradiance: &[f64], radiance: &[f64]) -> impl Iterator<Item = Stri
     to_rgb(irradiance).into_iter().chain(to_rgb(radiance)).map(digits)
 }
 
+/// Writes a table with the columns of `keys` and [`QUANTITIES`].
 fn write(
     writer: &mut dyn Write,
     keys: &[&str],
     rows: impl FnOnce(&mut csv::Writer<&mut dyn Write>) -> csv::Result<()>,
 ) -> io::Result<()> {
+    let columns: Vec<&str> = keys.iter().chain(&QUANTITIES).copied().collect();
+    write_columns(writer, &columns, rows)
+}
+
+/// Writes a table with these columns.
+pub(super) fn write_columns(
+    writer: &mut dyn Write,
+    columns: &[&str],
+    rows: impl FnOnce(&mut csv::Writer<&mut dyn Write>) -> csv::Result<()>,
+) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(writer);
-    table.write_record(keys.iter().chain(&QUANTITIES))?;
+    table.write_record(columns)?;
     rows(&mut table)?;
     table.flush()
 }

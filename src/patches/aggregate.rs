@@ -1,9 +1,17 @@
-//! Aggregation: from patches up to faces.
+//! Aggregation: from patches up to faces, and over to the patches of another cut.
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use super::Patches;
 use crate::scene::Side;
+use crate::trace::sampling::{Sequence, uniform_triangle};
+
+/// Points of a patch at which the field of another cut is read.
+const POINTS: u32 = 64;
+
+/// The stream of random sequences for those points.
+const STREAM: u64 = 1 << 44;
 
 /// The average of a field over one side of a face.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,5 +46,32 @@ impl Patches<'_> {
                 FaceRow { face, side, area: area * self.frame.scale().powi(2), mean }
             })
             .collect()
+    }
+
+    /// Averages a field over the patches of another cut of the same scene (m × c) over these patches, n × c: each by 64 points. Where the other
+    /// cut has no patch the field is zero.
+    ///
+    /// # Panics
+    /// If `field` has not m rows.
+    pub fn resample(&self, other: &Patches, field: &DMatrix<f64>) -> DMatrix<f64> {
+        assert_eq!(field.nrows(), other.len(), "one row per patch");
+        let channels = field.ncols();
+        let mut means = vec![0.0; self.len() * channels];
+        means.par_chunks_mut(channels.max(1)).enumerate().for_each(|(i, mean)| {
+            let place = self.place(i);
+            let [a, b, c] = self.corners(i);
+            let (sequence, points) = Sequence::stretch(0, STREAM, self.slot_of_patch(i), 0, POINTS);
+            for k in points {
+                let [x, y, ..] = sequence.point(k);
+                let [s, t] = uniform_triangle([x, y]);
+                let point = [0, 1].map(|axis| a[axis] + (b[axis] - a[axis]) * s + (c[axis] - a[axis]) * t);
+                if let Some(j) = other.patch_at(place.face, place.side, point) {
+                    mean.iter_mut()
+                        .enumerate()
+                        .for_each(|(c, sum)| *sum += field[(j, c)] / f64::from(POINTS));
+                }
+            }
+        });
+        DMatrix::from_row_slice(self.len(), channels, &means)
     }
 }

@@ -19,7 +19,7 @@ use nalgebra::DMatrix;
 pub use amplification::{Amplification, Certainty};
 pub use conjugate_gradient::{CgOptions, conjugate_gradients};
 pub use direct::{Direct, DirectOptions, direct};
-pub use neumann::{Bounce, NeumannOptions, Series, neumann};
+pub use neumann::{Bounce, NeumannOptions, Series, bounces, neumann};
 
 use crate::patches::Basis;
 use crate::progress::{Cancelled, Progress};

@@ -104,6 +104,15 @@ pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Res
     Ok(Series { solution: Solution { radiance, irradiance, report }, bounces })
 }
 
+/// The first terms of the series by themselves: E, KE, … up to bounce `last`, n × c each.
+///
+/// # Panics
+/// If `e` is not n × c.
+pub fn bounces(k: &Transport, e: &DMatrix<f64>, last: usize) -> Vec<DMatrix<f64>> {
+    let next = |term: &DMatrix<f64>| Some(k.reflect(&k.irradiance(term)));
+    std::iter::successors(Some(e.clone()), next).take(last + 1).collect()
+}
+
 /// q/(1−q)·‖L_k − L_{k−1}‖∞ / ‖L_k‖∞, the largest over channels; infinite where q = 1.
 fn tail_bound(norm: &[f64], added: &DMatrix<f64>, sum: &DMatrix<f64>) -> f64 {
     let of = |c: usize| match (added.column(c).amax(), norm[c]) {

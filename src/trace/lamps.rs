@@ -4,6 +4,7 @@
 //! between, and the point uniform on it. What they would contribute in all is known exactly, by Lambert's formula.
 
 use std::f64::consts::FRAC_1_PI;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -30,7 +31,7 @@ pub struct Lamps {
     /// Per face of the scene: its place in `faces`, or `NONE`.
     lamp_of_face: Vec<u32>,
     /// Cumulative chances by power alone.
-    by_power: Vec<f64>,
+    by_power: Arc<[f64]>,
 }
 
 const NONE: u32 = u32::MAX;
@@ -49,7 +50,7 @@ struct LampFace {
 #[derive(Clone, Debug, Default)]
 pub struct LampView {
     /// How likely each lamp is to be drawn: cumulative, ending with 1; all zero where no lamp is above the horizon.
-    chances: Vec<f64>,
+    chances: Arc<[f64]>,
     /// What lamps would contribute if nothing stood in between: Σ F·Lₑ over lamps with brightness Lₑ; where it is known.
     pub unoccluded: Option<f64>,
 }
@@ -125,7 +126,7 @@ impl Lamps {
 
     fn none(tracer: &Tracer) -> Self {
         let lamp_of_face = vec![NONE; tracer.scene().faces().len()];
-        Self { faces: Vec::new(), lamp_of_face, by_power: Vec::new() }
+        Self { faces: Vec::new(), lamp_of_face, by_power: Arc::default() }
     }
 
     /// The lamps' face numbers, ascending.
@@ -194,6 +195,18 @@ impl Lamps {
             brightness: lamp.brightness,
         })
     }
+
+    /// Density with which [`Lamps::sample`] draws a point of a face, per unit of normalised area; 0 if the face is no lamp.
+    #[inline]
+    pub fn pdf(&self, LampView { chances: cumulative, .. }: &LampView, face: usize) -> f64 {
+        match self.lamp_of_face[face] {
+            NONE => 0.0,
+            k => {
+                let (lower, upper) = bounds(cumulative, k as usize);
+                (upper - lower) / self.faces[k as usize].area
+            }
+        }
+    }
 }
 
 impl LampFace {
@@ -261,7 +274,7 @@ fn bounds(cumulative: &[f64], k: usize) -> (f64, f64) {
 }
 
 /// Running sums, scaled to end with 1; all zero if there is nothing to sum.
-fn accumulate(weights: impl Iterator<Item = f64>) -> Vec<f64> {
+fn accumulate(weights: impl Iterator<Item = f64>) -> Arc<[f64]> {
     let mut total = 0.0;
     let mut sums: Vec<f64> = weights
         .map(|w| {
@@ -272,7 +285,7 @@ fn accumulate(weights: impl Iterator<Item = f64>) -> Vec<f64> {
     if total > 0.0 {
         sums.iter_mut().for_each(|s| *s /= total);
     }
-    sums
+    sums.into()
 }
 
 #[cfg(test)]
@@ -293,6 +306,7 @@ mod tests {
                 .map(|k| {
                     let [u, v, ..] = Sequence::new(5, 0, 0).point(k);
                     let drawn = lamps.sample(&view, [u, v]).unwrap();
+                    assert_eq!(lamps.pdf(&view, drawn.face as usize), drawn.pdf);
                     let g = geometry_term((p, normal), (drawn.point, drawn.normal));
                     drawn.brightness * g / drawn.pdf / n as f64
                 })

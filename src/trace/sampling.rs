@@ -36,9 +36,19 @@ impl Sequence {
     /// Point `k` of the sequence, strictly inside the unit cube; k < [`SEQUENCE_END`].
     #[inline]
     pub fn point(self, k: u32) -> [f64; 4] {
+        self.dimensions(k, 0)
+    }
+
+    /// Dimensions 4·`set` to 4·`set` + 3 of point `k`, for points of many dimensions; [`Sequence::point`] is set 0.
+    #[inline]
+    pub fn dimensions(self, k: u32, set: u32) -> [f64; 4] {
         // The sequence has 24 bits; half a step more keeps it off the edges.
         const HALF_STEP: f64 = 1.0 / (1u32 << 25) as f64;
-        sobol_burley::sample_4d(k, 0, self.0).map(|x| f64::from(x) + HALF_STEP)
+        const SETS: u32 = sobol_burley::NUM_DIMENSION_SETS_4D;
+        // Beyond its last dimension the sequence begins again under another scrambling.
+        let seed =
+            if set < SETS { self.0 } else { split_mix((self.0 as u64) << 32 | (set / SETS) as u64) as u32 };
+        sobol_burley::sample_4d(k, set % SETS, seed).map(|x| f64::from(x) + HALF_STEP)
     }
 }
 

@@ -399,6 +399,44 @@ fn render_writes_a_picture_and_nothing_else() {
 }
 
 #[test]
+fn every_shading_is_saved_as_png_and_exr_with_the_same_bytes_on_any_number_of_threads() {
+    let scratch = Scratch::new();
+    let mut pictures = Vec::new();
+    for shading in ["flat", "smooth", "gather", "path"] {
+        for threads in [1, 3] {
+            let arguments = format!(
+                "render -o {shading}{threads} --exr --shading {shading} --samples 4 --threads {threads}"
+            );
+            done(scratch.folder(), &arguments);
+        }
+        let [one, three] = [1, 3].map(|threads| content(&scratch.path(&format!("{shading}{threads}"))));
+        assert_eq!(one.keys().collect::<Vec<_>>(), ["image.exr", "image.png"]);
+        assert!(one == three, "{shading}");
+        pictures.push(one);
+    }
+    pictures.dedup();
+    assert_eq!(pictures.len(), 4, "each shading looks different");
+    done(scratch.folder(), "render -o seed --exr --shading gather --samples 4 --seed 5");
+    assert!(content(&scratch.path("seed"))["image.exr"] != pictures[2]["image.exr"]);
+}
+
+#[test]
+fn a_camera_that_sees_nothing_lit_is_warned_about() {
+    let scratch = Scratch::with(&[
+        ("cube.obj", CUBE),
+        ("cube.mtl", "newmtl wall\nKd 0.5\nnewmtl last\nKd 0.5\nKe 1\n"),
+        ("cube.toml", "[camera]\nposition = [5, 0.5, 0.5]\ntarget = [9, 0.5, 0.5]\n"),
+    ]);
+    let output = done(scratch.folder(), "render cube.obj -o .");
+    assert!(text(&output.stderr).contains("warning: the picture is black"), "{}", text(&output.stderr));
+    let seen = image::open(scratch.path("image.png")).unwrap().into_rgb8();
+    assert!(seen.pixels().all(|pixel| pixel.0 == [0; 3]));
+    scratch.write("cube.toml", "");
+    let output = done(scratch.folder(), "render cube.obj -o .");
+    assert!(!text(&output.stderr).contains("black"));
+}
+
+#[test]
 fn render_and_solve_make_the_same_picture() {
     let scratch = Scratch::new();
     done(scratch.folder(), "render -o rendered");
@@ -597,6 +635,8 @@ fn bad_usage_is_status_2_and_says_what_is_meant() {
         ("solve --size 4", "--size"),
         ("solve --size 4x-4", "--size"),
         ("solve --exposure 0", "--exposure"),
+        ("render --samples 0", "--samples"),
+        ("render --samples 2000000", "--samples"),
         ("solve --solver magic", "--solver"),
         ("solve --order x", "--order"),
         ("solve --seed -1", "-1"),

@@ -9,6 +9,7 @@ mod health; // what check finds, on sound scenes and on broken ones
 mod lamp_columns; // direct light without bias
 mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, an independent reference
 mod linear_elements; // the same rays, less mesh error, and what keeps them stable
+mod pictures; // what cameras see: ways of shading agree, nothing lit is black
 mod saved_factors; // what may change around saved form factors, and what may not
 mod structure; // modules import only from their left
 

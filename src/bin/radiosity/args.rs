@@ -176,6 +176,11 @@ impl SolverArgs {
     }
 }
 
+/// The scene's own camera, or one that sees into it.
+pub fn camera(tracer: &Tracer, patches: &Patches) -> Camera {
+    tracer.scene().camera().copied().unwrap_or_else(|| output::default_camera(tracer, patches))
+}
+
 /// What the picture looks like.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Picture")]
@@ -184,9 +189,13 @@ pub struct PictureArgs {
     #[arg(long, value_name = "WxH", default_value = "800x600", value_parser = size)]
     size: (usize, usize),
 
-    /// How radiance varies within a patch
+    /// How radiance is found at a point
     #[arg(long, value_enum, default_value_t = ShadingArg::Smooth)]
     shading: ShadingArg,
+
+    /// Random samples per pixel, for --shading gather and path; best a power of two
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    samples: u32,
 
     /// Draw the edges of patches
     #[arg(long)]
@@ -207,28 +216,46 @@ enum ShadingArg {
     Flat,
     /// Interpolated across smooth surfaces
     Smooth,
+    /// Gathered there from lamps and patches: sharp shadows, no patches to be seen; takes longer
+    Gather,
+    /// By light paths alone: the reference, without patches or form factors
+    Path,
 }
 
 impl PictureArgs {
-    /// Refuses an impossible size before any work is done.
-    pub fn options<'a>(&self, progress: Progress<'a>) -> Result<RenderOptions<'a>, OutputError> {
+    /// Refuses an impossible size or number of samples before any work is done.
+    pub fn options<'a>(
+        &self,
+        run: &RunArgs,
+        progress: Progress<'a>,
+    ) -> Result<RenderOptions<'a>, OutputError> {
         let shading = match self.shading {
             ShadingArg::Flat => Shading::Flat,
             ShadingArg::Smooth => Shading::Smooth,
+            ShadingArg::Gather => Shading::Gather,
+            ShadingArg::Path => Shading::Path,
         };
         let outlines = if self.outlines { Outlines::Shown } else { Outlines::Hidden };
-        let options = RenderOptions { width: self.size.0, height: self.size.1, shading, outlines, progress };
+        let (width, height) = self.size;
+        let &Self { samples, .. } = self;
+        let seed = run.seed;
+        let options = RenderOptions { width, height, shading, outlines, samples, seed, progress };
         options.validate()?;
         Ok(options)
     }
 
-    /// The scene's own camera, or one that sees into it.
-    pub fn camera(&self, tracer: &Tracer, patches: &Patches) -> Camera {
-        tracer.scene().camera().copied().unwrap_or_else(|| output::default_camera(tracer, patches))
-    }
-
     pub fn exposure(&self, picture: &Picture) -> Exposure {
         self.exposure.map_or_else(|| picture.exposure(), |factor| Exposure { factor })
+    }
+
+    /// Says so if nothing can be seen in a picture.
+    pub fn warn_if_black(&self, picture: &Picture, terminal: &Terminal) {
+        if picture.is_black() {
+            terminal.warn(
+                "the picture is black: the camera sees nothing that is lit; change [camera] in the scene's .toml, or remove it \
+                 there to have one found",
+            );
+        }
     }
 
     /// Adds `image.png`, and `image.exr` if wanted.
@@ -275,11 +302,11 @@ impl RunArgs {
     }
 }
 
-fn positive(text: &str) -> Result<usize, String> {
+pub fn positive(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "must be a whole number above 0".into())
 }
 
-fn positive_length(text: &str) -> Result<f64, String> {
+pub fn positive_length(text: &str) -> Result<f64, String> {
     text.parse()
         .ok()
         .filter(|x: &f64| x.is_finite() && *x > 0.0)
@@ -290,7 +317,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x| (0.0..1.0).contains(x)).ok_or_else(|| "must lie between 0 and 1".into())
 }
 
-fn size(text: &str) -> Result<(usize, usize), String> {
+pub fn size(text: &str) -> Result<(usize, usize), String> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     parsed.filter(|&(w, h)| w > 0 && h > 0).ok_or_else(|| "write it as 800x600".into())
 }
@@ -311,4 +338,11 @@ fn memory(text: &str) -> Result<u64, String> {
     let number: f64 = digits.parse().map_err(|_| "write it as 4GiB or 500MB")?;
     let bytes = number * unit as f64;
     if bytes >= 0.0 { Ok(bytes as u64) } else { Err("must not be negative".into()) }
+}
+
+/// A share of one, as 0.02 or 2%.
+pub fn share(text: &str) -> Result<f64, String> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    let share = number.trim().parse().ok().map(|x: f64| x * unit);
+    share.filter(|x| *x > 0.0 && *x < 1.0).ok_or_else(|| "write it as 2% or 0.02; between 0 and 1".into())
 }

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use radiosity::output;
-use radiosity::patches::Patches;
+use radiosity::patches::{Patches, Tessellation};
+use radiosity::progress::Progress;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, TraceOptions};
 
@@ -36,6 +37,12 @@ pub struct FactorsArgs {
 }
 
 impl FactorsArgs {
+    /// How to cut and trace.
+    pub fn options<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> (Tessellation<'a>, TraceOptions<'a>) {
+        let trace = TraceOptions { basis: self.basis.basis(), ..self.accuracy.trace(run, progress) };
+        (self.accuracy.tessellation(run, progress), trace)
+    }
+
     /// Cuts the scene and finds the form factors between its patches.
     pub fn obtain<'s>(
         &self,
@@ -45,9 +52,8 @@ impl FactorsArgs {
     ) -> Result<(Patches<'s>, FormFactors), Failure> {
         let progress = terminal.progress();
         let keep = if self.save_factors.is_some() { Keep::Rays } else { Keep::Nothing };
-        let tessellation = self.accuracy.tessellation(run, progress);
-        let basis = self.basis.basis();
-        let trace = TraceOptions { keep, basis, ..self.accuracy.trace(run, progress) };
+        let (tessellation, trace) = self.options(run, progress);
+        let trace = TraceOptions { keep, ..trace };
         let (patches, factors) = match &self.factors {
             Some(path) => {
                 let refused = |e: &dyn std::fmt::Display| format!("cannot use {}: {e}", path.display());

@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod compare;
 mod factors;
 mod form_factors;
 mod render;
@@ -37,6 +38,7 @@ enum Command {
     ///
     /// Solves it as solve does, and writes image.png only.
     Render(render::Args),
+    Compare(compare::Args),
     FormFactors(form_factors::Args),
     /// Look for what is wrong with a mesh: leaks, slivers, winding, lamps, closure, conditioning
     #[command(mut_arg("patches", check::fewer), mut_arg("rays", check::usual))]
@@ -48,6 +50,7 @@ fn main() -> ExitCode {
     let run = match &cli.command {
         Command::Solve(args) => &args.run,
         Command::Render(args) => &args.run,
+        Command::Compare(args) => &args.run,
         Command::FormFactors(args) => &args.run,
         Command::Check(args) => &args.run,
     };
@@ -55,6 +58,7 @@ fn main() -> ExitCode {
     let done = run.set_up(&terminal).and_then(|()| match &cli.command {
         Command::Solve(args) => solve::run(args, &terminal),
         Command::Render(args) => render::run(args, &terminal),
+        Command::Compare(args) => compare::run(args, &terminal),
         Command::FormFactors(args) => form_factors::run(args, &terminal),
         Command::Check(args) => check::run(args, &terminal),
     });

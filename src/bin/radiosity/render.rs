@@ -5,7 +5,7 @@ use radiosity::solve;
 use radiosity::trace::Tracer;
 use radiosity::transport::Transport;
 
-use crate::args::{PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
 use crate::terminal::{Failure, Terminal};
 
@@ -25,7 +25,7 @@ pub struct Args {
 
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
-    let look = args.picture.options(progress)?;
+    let look = args.picture.options(&args.run, progress)?;
     progress.at("load", 0.0)?;
     let scene = args.scene.load()?;
     scene.require_light()?;
@@ -36,10 +36,10 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
     let sources = basis.coefficients_of(&patches.sources());
-    let solution = solve::solve(&k, &sources, &args.solver.options(&args.run, progress))?;
-    let radiance = basis.means(&solution.radiance);
-    let camera = args.picture.camera(&tracer, &patches);
-    let picture = output::render(&tracer, &patches, &radiance, &camera, &look)?;
+    let solution = solve::solve(&k, &sources, &args.solver.options(&args.run, progress))?.means(basis);
+    let camera = args::camera(&tracer, &patches);
+    let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
+    args.picture.warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;
     let mut outputs = args.scene.outputs(&scene)?;
     args.picture.write(&picture, &mut outputs)?;

@@ -7,7 +7,7 @@ use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{Exchange, Plan, Transport};
 
-use crate::args::{PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
 use crate::terminal::{Failure, Terminal};
 
@@ -31,7 +31,7 @@ pub struct Args {
 
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
-    let look = args.picture.options(progress)?;
+    let look = args.picture.options(&args.run, progress)?;
     progress.at("load", 0.0)?;
     let scene = args.scene.load()?;
     scene.require_light()?;
@@ -58,11 +58,12 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (order, tolerance) = (args.solver.order, args.solver.tolerance);
     let series = solve::neumann(&k, &sources, &NeumannOptions { order, tolerance, amplification, progress })?;
 
-    let camera = args.picture.camera(&tracer, &patches);
+    let camera = args::camera(&tracer, &patches);
     // Tables and pictures show the means over patches.
     let means = solution.clone().means(basis);
     let (irradiance, radiance) = (&means.irradiance, &means.radiance);
     let picture = output::render(&tracer, &patches, radiance, &camera, &look)?;
+    args.picture.warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;
     let exposure = args.picture.exposure(&picture);
     let mut outputs = args.scene.outputs(&scene)?;

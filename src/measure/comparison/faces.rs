@@ -1,4 +1,4 @@
-//! Comparison: how far an answer is from an independent one that knows its own noise.
+//! Faces: how far an answer is from one that another program found for the same faces.
 
 use crate::patches::FaceRow;
 use crate::scene::Side;

@@ -1,0 +1,275 @@
+//! `radiosity compare`: the matrix answers against light paths.
+
+use std::time::Instant;
+
+use radiosity::measure::{
+    Agreement, Budget, Comparison, MeshError, OrderOptions, OrderRow, PathOptions, PathTracer,
+};
+use radiosity::output::{
+    self, BouncePictures, ComparisonOptions, ComparisonSummary, DirectSummary, OrderSummary, OrdersPlot,
+    RenderOptions, Shading,
+};
+use radiosity::scene::Scene;
+use radiosity::solve::{self, Amplification, Certainty, Report, SolveOptions};
+use radiosity::trace::Tracer;
+use radiosity::transport::Transport;
+
+use crate::args::{self, RunArgs, SceneArgs, SolverArgs};
+use crate::factors::FactorsArgs;
+use crate::terminal::{Failure, Terminal};
+
+/// Compare the direct solution and every order of the series with a path-traced reference
+///
+/// The reference follows light paths on the surfaces themselves and knows its own standard error. Writes comparison.json,
+/// comparison.csv (both irradiances of every patch, W/m²), comparison.png (matrix, reference, difference), bounces.png (light bounce
+/// by bounce) and orders.svg (error against order).
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    factors: FactorsArgs,
+    #[command(flatten)]
+    solver: SolverArgs,
+    #[command(flatten)]
+    reference: ReferenceArgs,
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Reference")]
+struct ReferenceArgs {
+    /// Trace paths until all patches together are known this well (relative standard error) [default: 2%, unless --seconds or --paths is
+    /// given]
+    #[arg(long, value_name = "SHARE", value_parser = args::share)]
+    standard_error: Option<f64>,
+
+    /// Trace paths for so many seconds at most
+    #[arg(long, value_name = "S", value_parser = args::positive_length)]
+    seconds: Option<f64>,
+
+    /// Trace so many paths at most; every patch gets some
+    #[arg(long, value_name = "N", value_parser = args::positive)]
+    paths: Option<usize>,
+
+    /// Width and height of each picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "400x300", value_parser = args::size)]
+    size: (usize, usize),
+
+    /// Paths per pixel of the reference picture; best a power of two
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    samples: u32,
+}
+
+impl ReferenceArgs {
+    fn budget(&self) -> Budget {
+        let &Self { standard_error, seconds, paths, .. } = self;
+        let otherwise = if seconds.is_none() && paths.is_none() { Some(0.02) } else { None };
+        Budget { standard_error: standard_error.or(otherwise), seconds, paths: paths.map(|n| n as u64) }
+    }
+}
+
+/// The residual of the solution, as a part of --tolerance.
+const SOLVED_BETTER: f64 = 1e-3;
+
+/// The highest bounce that gets a picture of its own.
+const LAST_PICTURE: usize = 4;
+
+pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
+    let progress = terminal.progress();
+    let (width, height) = args.reference.size;
+    let look = RenderOptions {
+        width,
+        height,
+        samples: args.reference.samples,
+        seed: args.run.seed,
+        progress,
+        ..Default::default()
+    };
+    look.validate()?;
+    progress.at("load", 0.0)?;
+    let scene = args.scene.load()?;
+    scene.require_light()?;
+    terminal.warn_of(&scene);
+
+    progress.at("build", 0.0)?;
+    let began = Instant::now();
+    let tracer = Tracer::new(&scene);
+    let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
+    let k = Transport::of(&factors, &patches)?;
+    let basis = factors.basis();
+    let sources = basis.coefficients_of(&patches.sources());
+    let before_solving = began.elapsed().as_secs_f64();
+    progress.at("solve", 0.0)?;
+    let amplification = Amplification::new(&k, &Default::default())?;
+    let options = args.solver.options(&args.run, progress);
+    // The solution that orders are held against must be much better than the best of them.
+    let tolerance = (SOLVED_BETTER * options.tolerance).max(1e-13);
+    let options = SolveOptions { amplification: Some(&amplification), tolerance, ..options };
+    let direct = solve::solve(&k, &sources, &options)?;
+    let direct_seconds = began.elapsed().as_secs_f64();
+
+    let budget = args.reference.budget();
+    let options = PathOptions { budget, seed: args.run.seed, progress, ..Default::default() };
+    let reference = PathTracer::new(&tracer).irradiance(&patches, &options)?;
+    progress.at("mesh", 0.0)?;
+    let (tessellation, trace) = args.factors.options(&args.run, progress);
+    let mesh = MeshError::estimate(&tracer, &patches, &factors, &tessellation, &trace)?;
+    progress.at("series", 0.0)?;
+    let limits = OrderOptions { tolerance: args.solver.tolerance, order: args.solver.order, progress };
+    let orders = OrderRow::all(&k, &sources, &direct.irradiance, &reference, &amplification, &limits)?;
+    // Pictures and tables show the means over patches.
+    let direct = direct.means(basis);
+    let comparison = Comparison::new(&patches, &direct.irradiance, &reference, &mesh);
+
+    let camera = args::camera(&tracer, &patches);
+    let picture = |shading| {
+        output::render(&tracer, &patches, &direct.radiance, &camera, &RenderOptions { shading, ..look })
+    };
+    let [matrix, traced] = [picture(Shading::Smooth)?, picture(Shading::Path)?];
+    let terms = solve::bounces(&k, &sources, LAST_PICTURE.min(orders.len().max(2) - 1));
+    let terms: Vec<_> = terms.iter().map(|term| basis.means(term)).collect();
+    let bounces = BouncePictures::render(&tracer, &patches, &terms, &camera, &look)?;
+
+    progress.at("write", 0.0)?;
+    let mut outputs = args.scene.outputs(&scene)?;
+    let irradiance = &direct.irradiance;
+    outputs.file("comparison.csv", |file| {
+        output::write_comparison_table(file, &patches, irradiance, &reference, &mesh)
+    })?;
+    let by_solver = format!("{} patches, {} solver, smooth shading", patches.len(), direct.report.name);
+    let by_paths = format!("{} paths a pixel", look.samples);
+    let panels = ComparisonOptions { notes: [&by_solver, &by_paths], ..Default::default() };
+    outputs.file("comparison.png", |file| output::write_comparison(file, &matrix, &traced, &panels))?;
+    outputs.file("bounces.png", |file| output::write_bounces(file, &bounces))?;
+    let plot = plot(&scene, &orders, &comparison, reference.relative_standard_error());
+    outputs.file("orders.svg", |file| output::write_orders_plot(file, &plot))?;
+    let summary = ComparisonSummary {
+        scene: scene.name().to_owned(),
+        version: env!("CARGO_PKG_VERSION"),
+        seed: args.run.seed,
+        threads: rayon::current_num_threads(),
+        patches: patches.len(),
+        rays: factors.rays(),
+        basis: basis.name(),
+        orders: orders.iter().map(|row| OrderSummary::new(row, before_solving)).collect(),
+        direct: DirectSummary::new(&comparison, direct_seconds),
+        reference: (&reference).into(),
+        stages: terminal.stages(),
+        warnings: scene.warnings().to_vec(),
+    };
+    outputs.file("comparison.json", |file| output::write_comparison_summary(file, &summary))?;
+    let files = outputs.commit()?;
+    if args.run.json {
+        terminal.print(serde_json::to_string_pretty(&summary)?)?;
+    }
+    terminal.say(report(&summary, scene.faces().len(), &direct.report))?;
+    let folder = args.scene.folder(&scene);
+    terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()))?;
+    Ok(())
+}
+
+fn plot(scene: &Scene, orders: &[OrderRow], comparison: &Comparison, noise_floor: f64) -> OrdersPlot {
+    let of = |value: fn(&OrderRow) -> f64| orders.iter().map(value).collect();
+    OrdersPlot {
+        orders: orders.iter().map(|row| row.order).collect(),
+        vs_direct: of(|row| row.vs_direct),
+        vs_reference: of(|row| row.vs_reference.rms),
+        uncertainty: of(|row| row.vs_reference.uncertainty),
+        bound: of(|row| row.bound),
+        direct_vs_reference: comparison.by_patch.rms,
+        noise_floor,
+        title: format!("{}: error of the Neumann series, irradiance by patch", scene.name()),
+    }
+}
+
+/// What the user wants to know, in a screenful.
+fn report(summary: &ComparisonSummary, faces: usize, solver: &Report) -> String {
+    let ComparisonSummary { direct, reference, orders, .. } = summary;
+    let certainty = match solver.certainty {
+        Certainty::Guaranteed => "guaranteed",
+        Certainty::Estimated => " estimated",
+    };
+    let mut lines = vec![
+        format!(
+            "{}: {faces} faces, {} patches, {} rays a patch\n",
+            summary.scene, summary.patches, summary.rays
+        ),
+        format!(
+            "reference     {} paths in {:.1} s; standard error of a patch {}",
+            millions(reference.paths),
+            reference.seconds,
+            percent(reference.standard_error)
+        ),
+        format!("mesh          patches half as long change the answer by {}\n", percent(direct.mesh_error)),
+        format!("  order  from direct  {certainty}  from reference        mean  worst patch   seconds"),
+    ];
+    let row = |name: &str,
+               from: String,
+               bound: String,
+               rms: f64,
+               error: f64,
+               bias: f64,
+               worst: f64,
+               seconds: f64| {
+        let of_reference = format!("{} ± {}", percent(rms), percent(error));
+        format!(
+            "  {name:>6}  {from:>10}  {bound:>10}  {of_reference:>18}  {:>8}  {worst:>+6.1} s.e.  {seconds:>7.2}",
+            signed_percent(bias)
+        )
+    };
+    let told = |order: usize| order <= 5 || order.is_multiple_of(10) || order + 1 == orders.len();
+    lines.extend(orders.iter().filter(|o| told(o.order)).map(|o| {
+        let bound = o.bound.map_or("none yet".into(), |bound| format!("{bound:.0e}"));
+        let from = format!("{:.0e}", o.vs_direct);
+        row(&o.order.to_string(), from, bound, o.vs_reference, o.uncertainty, o.bias, o.worst_z, o.seconds)
+    }));
+    let worst = direct.worst_z;
+    lines.push(row(
+        solver.name,
+        String::new(),
+        String::new(),
+        direct.vs_reference,
+        direct.uncertainty,
+        direct.bias,
+        worst,
+        direct.seconds,
+    ));
+    lines.push(format!("\nThe matrix answer {}.", direct.verdict));
+    lines.extend(direct.reasons.iter().map(|reason| {
+        let follows = match reason.agreement {
+            Agreement::WithinNoise => "within noise".to_owned(),
+            Agreement::MeshExplains => format!("the mesh may do up to {}", percent(reason.mesh)),
+            Agreement::NothingExplains => {
+                format!("the mesh may do no more than {}: something is wrong", percent(reason.mesh))
+            }
+        };
+        format!(
+            "  {:<12} {:>8} ± {:<8} {follows}",
+            reason.what,
+            signed_percent(reason.found),
+            percent(reason.uncertainty)
+        )
+    }));
+    lines.join("\n")
+}
+
+fn percent(share: f64) -> String {
+    match 100.0 * share.abs() {
+        x if x >= 100.0 => format!("{:.0} %", 100.0 * share),
+        x if x >= 10.0 => format!("{:.1} %", 100.0 * share),
+        _ => format!("{:.2} %", 100.0 * share),
+    }
+}
+
+fn signed_percent(share: f64) -> String {
+    if share > 0.0 { format!("+{}", percent(share)) } else { percent(share) }
+}
+
+fn millions(count: u64) -> String {
+    match count {
+        1_000_000.. => format!("{:.1} million", count as f64 / 1e6),
+        _ => count.to_string(),
+    }
+}

@@ -1,0 +1,91 @@
+//! Mesh error: how the answer changes when patches are made half as long, and twice as long.
+//!
+//! Where error falls as the edge to some power p, halving the edge changes the answer by (1 − 2⁻ᵖ) of what is wrong with it: the
+//! change is an *estimate* of mesh error. The noise of form factors is in it too, because every cut has rays of its own.
+
+use nalgebra::DMatrix;
+
+use super::super::MeasureError;
+use crate::patches::{PatchError, PatchSize, Patches, Tessellation};
+use crate::progress::Progress;
+use crate::solve::{CgOptions, conjugate_gradients};
+use crate::trace::Tracer;
+use crate::transport::{FormFactors, TraceOptions, Transport, TransportError};
+
+/// The scene solved on a coarser and a finer cut.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshError {
+    /// Irradiance with half the edge less that with the patches' own, averaged over these, n × c, W·m⁻²; `None` where half
+    /// the edge does not fit into memory.
+    pub finer: Option<DMatrix<f64>>,
+    /// Irradiance with the patches' own edge less that with twice of it, n × c, W·m⁻².
+    pub coarser: DMatrix<f64>,
+}
+
+impl MeshError {
+    /// Solves the scene thrice over, with `factors` between `patches` and on two other cuts; `trace` as the form factors were traced.
+    ///
+    /// # Errors
+    /// As tracing and solving.
+    pub fn estimate(
+        tracer: &Tracer,
+        patches: &Patches,
+        factors: &FormFactors,
+        tessellation: &Tessellation,
+        trace: &TraceOptions,
+    ) -> Result<Self, MeasureError> {
+        let own = irradiance(patches, factors)?;
+        let edge = typical_edge(patches);
+        let on_cut = |scale: f64, rays: u32, stream: u64| -> Result<DMatrix<f64>, MeasureError> {
+            let size = PatchSize::Edge(edge * scale);
+            let silent = Progress::default();
+            // Random numbers of its own, so that noise does not cancel.
+            let seed = trace.seed ^ stream;
+            let mut cut =
+                Patches::new(tracer, &Tessellation { size, seed, progress: silent, ..*tessellation })?;
+            let basis = factors.basis();
+            let options = TraceOptions { rays: Some(rays), seed, basis, progress: trace.progress, ..*trace };
+            let factors = FormFactors::trace(tracer, &mut cut, &options)?;
+            Ok(patches.resample(&cut, &irradiance(&cut, &factors)?))
+        };
+        let rays = factors.rays().max(FEWEST_RAYS);
+        let coarser = &own - on_cut(2.0, rays, 1 << 61)?;
+        // Four patches in the place of one share its rays.
+        let finer = match on_cut(0.5, (rays / 2).max(FEWEST_RAYS), 1 << 62) {
+            Ok(finer) => Some(finer - own),
+            Err(error) if is_too_large(&error) => None,
+            Err(error) => return Err(error),
+        };
+        Ok(Self { finer, coarser })
+    }
+
+    /// How much a patch may be off: what the finer cut changes, or else the coarser.
+    pub fn change(&self) -> &DMatrix<f64> {
+        self.finer.as_ref().unwrap_or(&self.coarser)
+    }
+}
+
+/// Fewer rays than these would be mostly noise.
+const FEWEST_RAYS: u32 = 64;
+
+fn irradiance(patches: &Patches, factors: &FormFactors) -> Result<DMatrix<f64>, MeasureError> {
+    let k = Transport::of(factors, patches)?;
+    let e = k.basis().coefficients_of(&patches.sources());
+    Ok(conjugate_gradients(&k, &e, &CgOptions::default())?.means(k.basis()).irradiance)
+}
+
+/// The leg of a right-angled patch of middling area, metres.
+fn typical_edge(patches: &Patches) -> f64 {
+    let mut areas: Vec<f64> = (0..patches.len()).map(|i| patches.area(i)).collect();
+    let middle = areas.len() / 2;
+    let (_, median, _) = areas.select_nth_unstable_by(middle, f64::total_cmp);
+    (2.0 * *median).sqrt().min(patches.edge())
+}
+
+fn is_too_large(error: &MeasureError) -> bool {
+    matches!(
+        error,
+        MeasureError::Patches(PatchError::TooMany { .. })
+            | MeasureError::Transport(TransportError::Memory { .. })
+    )
+}

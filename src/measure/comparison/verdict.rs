@@ -1,0 +1,187 @@
+//! Verdict: whether an answer agrees with its reference, differs as its mesh explains, or differs as nothing explains.
+//!
+//! Four things are looked at: the root mean square over patches and over faces, the mean, and the worst patch. Each is first held
+//! against the noise of the reference alone, at a level corrected for their number. What noise does not explain is held against what the
+//! mesh may do: [`MeshError`] tells how much half the edge changes; with an error that falls only as √h, as it does along the edges of
+//! shadows, 2.4 times the change remains, and three times is allowed. An error that does not come from the mesh does not change with it.
+
+use super::super::PathTraced;
+use super::difference::{self, Difference, Place};
+use super::mesh_error::MeshError;
+use crate::patches::Patches;
+
+/// The chance of calling a right answer different, all four looks together.
+const LEVEL: f64 = 1e-3;
+
+/// How many times its change the mesh error may be.
+const REMAINS: f64 = 3.0;
+
+/// The same for single patches, whose change is noisy...
+const REMAINS_OF_ONE: f64 = 4.0;
+
+/// ...and may vanish by chance: so much of what patches change by on average is always allowed.
+const ALWAYS_OF_ONE: f64 = 6.0;
+
+/// So much of it for the mean over all patches.
+const ALWAYS_OF_MEAN: f64 = 0.1;
+
+/// Standard errors that are taken off a difference before it is held against the mesh.
+const SURE: f64 = 3.0;
+
+/// How an answer stands to its reference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Agreement {
+    /// The noise of the reference is all there is.
+    WithinNoise,
+    /// There is more than noise, and no more than the mesh explains.
+    MeshExplains,
+    /// There is more than noise and mesh explain: one of the two answers is wrong.
+    NothingExplains,
+}
+
+/// One look at a difference.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Reason {
+    /// What was looked at.
+    pub what: &'static str,
+    /// Its value, relative to the irradiance of the scene.
+    pub found: f64,
+    /// Its standard error.
+    pub uncertainty: f64,
+    /// The chance that noise alone would make it so large.
+    pub chance: f64,
+    /// How much of it the mesh may account for.
+    pub mesh: f64,
+    /// What follows.
+    pub agreement: Agreement,
+}
+
+impl Agreement {
+    /// The worst of all looks.
+    pub(super) fn of(reasons: &[Reason]) -> Self {
+        reasons.iter().map(|reason| reason.agreement).max().unwrap_or(Self::WithinNoise)
+    }
+}
+
+impl Reason {
+    fn new(what: &'static str, found: f64, uncertainty: f64, chance: f64, mesh: f64, looks: usize) -> Self {
+        let agreement = if chance > LEVEL / looks as f64 {
+            Agreement::WithinNoise
+        } else if found.abs() <= mesh + SURE * uncertainty {
+            Agreement::MeshExplains
+        } else {
+            Agreement::NothingExplains
+        };
+        Self { what, found, uncertainty, chance, mesh, agreement }
+    }
+}
+
+/// How much half the edge changes, relative to the irradiance of the scene.
+pub(super) struct Change {
+    pub by_patch: f64,
+    by_face: f64,
+    mean: f64,
+    /// Per patch and channel: W·m⁻².
+    single: Vec<Vec<f64>>,
+    /// Root mean square irradiance of a channel, W·m⁻².
+    typical: f64,
+}
+
+impl Change {
+    pub fn new(patches: &Patches, reference: &PathTraced, mesh: &MeshError) -> Self {
+        let (finer, coarser) = (mesh.change(), &mesh.coarser);
+        let channels = finer.ncols();
+        let area = |i: usize| reference.area(i);
+        let n = reference.len();
+        let sum = |value: &dyn Fn(usize, usize) -> f64| -> f64 {
+            (0..n).map(|i| area(i) * (0..channels).map(|c| value(i, c)).sum::<f64>()).sum()
+        };
+        let known = reference.means();
+        let squares = sum(&|i, c| known[(i, c)].powi(2)).max(f64::MIN_POSITIVE);
+        let total = sum(&|i, c| known[(i, c)]).max(f64::MIN_POSITIVE);
+        let faces = patches.average_by_face(finer);
+        let face_squares: f64 =
+            faces.iter().map(|row| row.area * row.mean.iter().map(|x| x * x).sum::<f64>()).sum();
+        let means = [finer, coarser].map(|change| (sum(&|i, c| change[(i, c)]) / total).abs());
+        let single =
+            |i: usize| (0..channels).map(|c| finer[(i, c)].abs() + 0.5 * coarser[(i, c)].abs()).collect();
+        let all_area = sum(&|_, _| 1.0);
+        Self {
+            by_patch: (sum(&|i, c| finer[(i, c)].powi(2)) / squares).sqrt(),
+            by_face: (face_squares / squares).sqrt(),
+            mean: means[0].max(0.5 * means[1]),
+            single: (0..n).map(single).collect(),
+            typical: (squares / all_area.max(f64::MIN_POSITIVE)).sqrt(),
+        }
+    }
+}
+
+/// Looks at a difference in all four ways.
+pub(super) fn reasons(
+    places: &[Place],
+    by_patch: &Difference,
+    by_face: &Difference,
+    change: &Change,
+) -> Vec<Reason> {
+    const LOOKS: usize = 4;
+    let [by_square, by_mean, _] = by_patch.chance;
+    let [by_face_square, ..] = by_face.chance;
+    let mean = REMAINS * change.mean.max(ALWAYS_OF_MEAN * change.by_patch);
+    vec![
+        Reason::new(
+            "patches",
+            by_patch.rms,
+            by_patch.uncertainty,
+            by_square,
+            REMAINS * change.by_patch,
+            LOOKS,
+        ),
+        Reason::new(
+            "faces",
+            by_face.rms,
+            by_face.uncertainty,
+            by_face_square,
+            REMAINS * change.by_face,
+            LOOKS,
+        ),
+        Reason::new("mean", by_patch.bias, by_patch.bias_error, by_mean, mean, LOOKS),
+        worst_patch(places, by_patch, change, LOOKS),
+    ]
+}
+
+/// The patch that noise and mesh explain least, if there is one that they do not explain; or else the one that is worst beside its noise.
+fn worst_patch(places: &[Place], by_patch: &Difference, change: &Change, looks: usize) -> Reason {
+    let values = places.iter().map(|place| place.channels.len()).sum();
+    let typical = difference::typical_error(places);
+    let always = ALWAYS_OF_ONE * change.by_patch * change.typical;
+    let relative = |x: f64| if change.typical > 0.0 { x / change.typical } else { 0.0 };
+    let look = |place: usize, channel: usize| {
+        let [value, mean, error] = places[place].channels[channel];
+        let mesh = REMAINS_OF_ONE * change.single[place][channel] + always;
+        let error = if error > 0.0 { error } else { typical };
+        let z = if error > 0.0 { (value - mean) / error } else { 0.0 };
+        let chance = difference::chance_of_one(z, places[place].degrees_of_freedom, values);
+        // The noise of a single patch has long tails: two of its standard errors count as one.
+        Reason::new(
+            "worst patch",
+            relative(value - mean),
+            relative(2.0 * error),
+            chance,
+            relative(mesh),
+            looks,
+        )
+    };
+    let all = (0..places.len()).flat_map(|i| (0..places[i].channels.len()).map(move |c| (i, c)));
+    let beyond = |reason: &Reason| reason.found.abs() - SURE * reason.uncertainty - reason.mesh;
+    let unexplained = all
+        .map(|(i, c)| look(i, c))
+        .filter(|reason| reason.agreement == Agreement::NothingExplains)
+        .max_by(|a, b| beyond(a).total_cmp(&beyond(b)));
+    let worst = by_patch.worst;
+    match unexplained {
+        Some(reason) => reason,
+        None if places.is_empty() => Reason::new("worst patch", 0.0, 0.0, 1.0, 0.0, looks),
+        None => look(worst.place, worst.channel),
+    }
+}

@@ -1,0 +1,123 @@
+//! Lights: points on everything that emits, drawn by power; the path tracer's own way of looking for lamps.
+
+use glam::DVec3;
+
+use crate::scene::{FaceState, Side};
+use crate::trace::Tracer;
+use crate::trace::sampling::uniform_triangle;
+
+/// All faces that emit.
+#[derive(Debug)]
+pub(super) struct Lights {
+    faces: Vec<Light>,
+    /// Chance of each face and all before it.
+    cumulative: Vec<f64>,
+    /// Per face of the scene: density of its points per unit of normalised area; 0 for those that do not emit.
+    density: Vec<f64>,
+}
+
+#[derive(Debug)]
+struct Light {
+    face: u32,
+    corners: [DVec3; 3],
+    normal: DVec3,
+}
+
+/// A point on a light.
+pub(super) struct LightPoint {
+    pub face: u32,
+    pub point: DVec3,
+    pub normal: DVec3,
+    /// Density per unit of normalised area.
+    pub density: f64,
+}
+
+impl Lights {
+    pub fn new(tracer: &Tracer) -> Self {
+        let scene = tracer.scene();
+        let emits = |&f: &usize| scene.faces()[f].state == FaceState::Kept && scene.material_of(f).emits();
+        let emitting: Vec<usize> = (0..scene.faces().len()).filter(emits).collect();
+        let area = |f: usize| {
+            let [a, b, c] = *tracer.corners(f);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        let power = |f: usize| area(f) * scene.material_of(f).emission.iter().sum::<f64>();
+        let total: f64 = emitting.iter().map(|&f| power(f)).sum();
+        let mut below = 0.0;
+        let mut density = vec![0.0; scene.faces().len()];
+        let mut cumulative = Vec::new();
+        for &f in &emitting {
+            below += power(f) / total;
+            cumulative.push(below);
+            density[f] = power(f) / total / area(f);
+        }
+        let light = |&f: &usize| Light {
+            face: f as u32,
+            corners: *tracer.corners(f),
+            normal: tracer.normal(f, Side::Front),
+        };
+        Self { faces: emitting.iter().map(light).collect(), cumulative, density }
+    }
+
+    /// A point with density [`Lights::density`]; none where nothing emits.
+    #[inline]
+    pub fn sample(&self, [u, v]: [f64; 2]) -> Option<LightPoint> {
+        let last = self.faces.len().checked_sub(1)?;
+        let k = self.cumulative.partition_point(|&upper| upper <= u).min(last);
+        let lower = if k == 0 { 0.0 } else { self.cumulative[k - 1] };
+        let light = &self.faces[k];
+        // What is left of u within the face's share is as good as new.
+        let fresh = ((u - lower) / (self.cumulative[k] - lower)).clamp(0.0, 1.0);
+        let [s, t] = uniform_triangle([fresh, v]);
+        let [a, b, c] = light.corners;
+        Some(LightPoint {
+            face: light.face,
+            point: a + (b - a) * s + (c - a) * t,
+            normal: light.normal,
+            density: self.density[light.face as usize],
+        })
+    }
+
+    /// Density of [`Lights::sample`] on a face, per unit of normalised area.
+    #[inline]
+    pub fn density(&self, face: u32) -> f64 {
+        self.density[face as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use crate::trace::sampling::Sequence;
+
+    #[test]
+    fn points_are_drawn_with_their_density() {
+        let folder = env!("CARGO_MANIFEST_DIR");
+        let scene = Scene::load(format!("{folder}/meshes/two_rooms.obj")).unwrap();
+        let tracer = Tracer::new(&scene);
+        let lights = Lights::new(&tracer);
+        let n = 1 << 14;
+        let mut drawn = vec![0.0; scene.faces().len()];
+        let mut centre = vec![DVec3::ZERO; scene.faces().len()];
+        for k in 0..n {
+            let [u, v, ..] = Sequence::new(3, 0, 0).point(k);
+            let light = lights.sample([u, v]).unwrap();
+            // Each point stands for 1/(n·density) of area.
+            let area = 1.0 / (n as f64 * light.density);
+            drawn[light.face as usize] += area;
+            centre[light.face as usize] += light.point * area;
+            assert_eq!(light.density, lights.density(light.face));
+        }
+        for f in 0..scene.faces().len() {
+            let [a, b, c] = *tracer.corners(f);
+            let area = 0.5 * (b - a).cross(c - a).length();
+            let emits = scene.material_of(f).emits();
+            assert_eq!(drawn[f] > 0.0, emits);
+            if emits {
+                assert!((drawn[f] / area - 1.0).abs() < 2e-3);
+                assert!((centre[f] / area - (a + b + c) / 3.0).length() < 2e-3);
+            }
+        }
+    }
+}

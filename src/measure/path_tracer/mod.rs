@@ -1,0 +1,239 @@
+//! Path tracer: an independent witness, the light on every patch by following random light paths on the surfaces themselves.
+//!
+//! It shares nothing with the solvers but the scene, the tracer and the numbering of patches: no form factors, no patches that are
+//! bright or dark all over. It is unbiased, and says how far off it may be by standard errors.
+
+mod estimate;
+mod lights;
+mod rounds;
+mod walk;
+
+use std::f64::consts::FRAC_1_PI;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+pub use estimate::{Estimate, PathTraced};
+pub use rounds::Budget;
+
+use super::MeasureError;
+use crate::patches::Patches;
+use crate::progress::{Cancelled, Progress};
+use crate::scene::Side;
+use crate::trace::sampling::Sequence;
+use crate::trace::{Hit, Ray, Tracer};
+use estimate::{BATCH, Half};
+use rounds::{first_round, next_round};
+use walk::{Numbers, Place, Walker};
+
+/// Where the streams of random sequences start; one a patch and half.
+const STREAM: u64 = 1 << 50;
+
+/// Patches between two reports of progress.
+const CHUNK: usize = 512;
+
+/// How to trace paths.
+#[derive(Clone, Copy, Debug)]
+pub struct PathOptions<'a> {
+    /// When to stop.
+    pub budget: Budget,
+    /// Bounces that are kept apart; memory grows in proportion, 32 bytes a patch, bounce and channel.
+    pub bounces: usize,
+    /// The longest paths, in reflections after the first bounce of light; `None` for all there are. Anything else is biased: it leaves out
+    /// later bounces, to compare with other programs or truncated series.
+    pub longest: Option<usize>,
+    /// Number of the random sequences. With a budget of paths or of standard error the same seed gives the same bits.
+    pub seed: u64,
+    /// Where to report progress, as stage `reference`.
+    pub progress: Progress<'a>,
+}
+
+impl Default for PathOptions<'_> {
+    /// A relative standard error of 1 %, bounces 1 to 6 kept apart, paths of any length.
+    fn default() -> Self {
+        Self {
+            budget: Budget { standard_error: Some(0.01), ..Budget::default() },
+            bounces: 6,
+            longest: None,
+            seed: 0,
+            progress: Progress::default(),
+        }
+    }
+}
+
+/// A path tracer for diffuse scenes.
+#[derive(Debug)]
+pub struct PathTracer<'t, 's> {
+    walker: Walker<'t, 's>,
+}
+
+impl<'t, 's> PathTracer<'t, 's> {
+    /// Makes the scene's lamps known to it.
+    pub fn new(tracer: &'t Tracer<'s>) -> Self {
+        Self { walker: Walker::new(tracer) }
+    }
+
+    /// Radiance that arrives along `ray`, per channel, W·sr⁻¹·m⁻²: one path, by point `k` of `sequence` from dimension set 1 on. Adds it
+    /// to `radiance`; answers what the ray met first.
+    ///
+    /// # Panics
+    /// If `radiance` has not c values.
+    pub fn add_radiance(&self, ray: &Ray, sequence: Sequence, k: u32, radiance: &mut [f64]) -> Option<Hit> {
+        let walker = &self.walker;
+        assert_eq!(radiance.len(), walker.channels, "a value per channel");
+        let hit = walker.tracer.closest_hit(ray)?;
+        if hit.side == Side::Front {
+            radiance.iter_mut().zip(walker.emission(hit.face)).for_each(|(sum, e)| *sum += e);
+        }
+        let rho = walker.reflectance(hit.face);
+        let mut numbers = Numbers { sequence, point: k, set: 1 };
+        let [s, t, ..] = numbers.next();
+        let mut weight = vec![0.0; walker.channels];
+        let place = Place::of(walker.tracer, &hit);
+        walker.irradiance(
+            place,
+            [s, t],
+            &mut numbers,
+            &mut weight,
+            usize::MAX,
+            |_, part, weight, emission| {
+                for (c, sum) in radiance.iter_mut().enumerate() {
+                    *sum += FRAC_1_PI * rho[c] * part * weight[c] * emission[c];
+                }
+            },
+        );
+        Some(hit)
+    }
+
+    /// Estimates the irradiance of every patch until the budget is used up.
+    ///
+    /// # Errors
+    /// `Budget` or `Cancelled`.
+    pub fn irradiance(&self, patches: &Patches, options: &PathOptions) -> Result<PathTraced, MeasureError> {
+        let areas: Vec<f64> = (0..patches.len()).map(|i| patches.area(i)).collect();
+        let mut estimate = PathTraced::new(self.walker.channels, options.bounces, &areas);
+        self.refine(patches, &mut estimate, options)?;
+        Ok(estimate)
+    }
+
+    /// Goes on with an estimate until another budget is used up. A wanted standard error is that of the whole estimate, time and
+    /// paths are those to be added. With the same seed, paths are new ones all the same.
+    ///
+    /// # Errors
+    /// `Budget` or `Cancelled`; the estimate is then as it was after its last whole round.
+    ///
+    /// # Panics
+    /// If `patches` are not those of the estimate.
+    pub fn refine(
+        &self,
+        patches: &Patches,
+        estimate: &mut PathTraced,
+        options: &PathOptions,
+    ) -> Result<(), MeasureError> {
+        assert_eq!(patches.len(), estimate.len(), "the patches that paths were traced from");
+        let PathOptions { budget, progress, .. } = options;
+        if !budget.is_valid() {
+            return Err(MeasureError::Budget);
+        }
+        progress.at("reference", 0.0)?;
+        let began = Instant::now();
+        let (known, before) = (estimate.paths, estimate.seconds);
+        let mut used = 0.0;
+        while used < 1.0 && !patches.is_empty() {
+            let round = match estimate.paths {
+                0 => first_round(patches.len(), budget),
+                _ if used == 0.0 => next_round(estimate, 0.5),
+                _ => next_round(estimate, used),
+            };
+            self.walk(patches, estimate, &round, used, options)?;
+            estimate.note_spread();
+            estimate.seconds = before + began.elapsed().as_secs_f64();
+            used = budget.used(estimate, began.elapsed().as_secs_f64(), estimate.paths - known);
+        }
+        progress.at("reference", 1.0)?;
+        Ok(())
+    }
+
+    /// Traces the batches of one round.
+    fn walk(
+        &self,
+        patches: &Patches,
+        estimate: &mut PathTraced,
+        round: &[Vec<u32>; 2],
+        used: f64,
+        options: &PathOptions,
+    ) -> Result<(), Cancelled> {
+        let values = (estimate.bounces + 1) * estimate.channels;
+        let mut halves = estimate.halves.clone();
+        let mut paths = 0;
+        for (h, (half, more)) in halves.iter_mut().zip(round).enumerate() {
+            let Half { batches, sums, .. } = half;
+            let rows = sums.chunks_mut(CHUNK * values).zip(batches.chunks_mut(CHUNK));
+            for (chunk, (sums, batches)) in rows.enumerate() {
+                let done = (h * patches.len() + chunk * CHUNK) as f64 / (2 * patches.len()) as f64;
+                options.progress.at("reference", (used + (used + 0.01).min(1.0 - used) * done).min(0.999))?;
+                let rows = sums.par_chunks_mut(values).zip(batches).enumerate();
+                rows.for_each(|(k, (sums, batches))| {
+                    let patch = chunk * CHUNK + k;
+                    self.batches(patches, patch, h, *batches, more[patch], sums, options);
+                    *batches += more[patch];
+                });
+            }
+            paths += more.iter().map(|&n| u64::from(n) * u64::from(BATCH)).sum::<u64>();
+        }
+        estimate.halves = halves;
+        estimate.paths += paths;
+        Ok(())
+    }
+
+    /// Adds the means of batches `first` to `first + more` of a patch and half to its sums.
+    #[allow(clippy::too_many_arguments)]
+    fn batches(
+        &self,
+        patches: &Patches,
+        patch: usize,
+        half: usize,
+        first: u32,
+        more: u32,
+        sums: &mut [[f64; 2]],
+        options: &PathOptions,
+    ) {
+        let channels = self.walker.channels;
+        let kept = sums.len() / channels - 1;
+        let longest = options.longest.unwrap_or(usize::MAX);
+        let facet = patches.facet(self.walker.tracer, patches.slot_of_patch(patch));
+        let stream = STREAM + 2 * patches.slot_of_patch(patch) as u64 + half as u64;
+        let mut found = vec![0.0; sums.len()];
+        let mut weight = vec![0.0; channels];
+        for batch in first..first + more {
+            let sequence = Sequence::new(options.seed, stream, u64::from(batch));
+            found.fill(0.0);
+            for point in 0..BATCH {
+                let mut numbers = Numbers { sequence, point, set: 0 };
+                let [s, t, x, y] = numbers.next();
+                let place = Place { face: facet.face, point: facet.point([s, t]), normal: facet.normal };
+                self.walker.irradiance(
+                    place,
+                    [x, y],
+                    &mut numbers,
+                    &mut weight,
+                    longest,
+                    |k, part, weight, emission| {
+                        for c in 0..channels {
+                            let arrived = part * weight[c] * emission[c];
+                            found[kept * channels + c] += arrived;
+                            if k < kept {
+                                found[k * channels + c] += arrived;
+                            }
+                        }
+                    },
+                );
+            }
+            for ([sum, squares], found) in sums.iter_mut().zip(&found) {
+                let mean = found / f64::from(BATCH);
+                *sum += mean;
+                *squares += mean * mean;
+            }
+        }
+    }
+}

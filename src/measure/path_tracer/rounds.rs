@@ -1,0 +1,89 @@
+//! Rounds: how many paths each patch gets, and when to stop.
+//!
+//! A first round gives every patch the same few batches. Each later round at most doubles the paths and shares them out so that the
+//! area-weighted sum of squared standard errors falls fastest: n ∝ √A σ (Neyman 1934), with a floor for patches that have not yet
+//! seen how much they vary.
+
+use super::estimate::{BATCH, Half, PathTraced};
+
+/// Batches that each half of every patch begins with.
+const FIRST: u32 = 4;
+
+/// The least a patch counts for when paths are shared out, as a part of the average patch.
+const FLOOR: f64 = 0.3;
+
+/// When to stop; whichever comes first.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Budget {
+    /// The relative standard error of all patches together that is enough ([`PathTraced::relative_standard_error`]).
+    pub standard_error: Option<f64>,
+    /// Wall-clock time, seconds.
+    pub seconds: Option<f64>,
+    /// Number of paths. Every patch gets some, so that many patches may take more.
+    pub paths: Option<u64>,
+}
+
+impl Budget {
+    /// Whether anything ends the work, and all of it makes sense.
+    pub(super) fn is_valid(&self) -> bool {
+        let positive = |x: Option<f64>| x.is_none_or(|x| x.is_finite() && x > 0.0);
+        let bounded = self.standard_error.is_some() || self.seconds.is_some() || self.paths.is_some();
+        bounded && positive(self.standard_error) && positive(self.seconds) && self.paths != Some(0)
+    }
+
+    /// The share of the budget that is used up, 0 to 1; the work is done at 1. `seconds` and `paths` are those of this call.
+    pub(super) fn used(&self, estimate: &PathTraced, seconds: f64, paths: u64) -> f64 {
+        let time = self.seconds.map_or(0.0, |most| seconds / most);
+        let count = self.paths.map_or(0.0, |most| paths as f64 / most as f64);
+        let error = self.standard_error.map_or(0.0, |enough| {
+            let now = estimate.relative_standard_error();
+            if now <= enough { 1.0 } else { (enough / now).powi(2) }
+        });
+        time.max(count).max(error).min(1.0)
+    }
+}
+
+/// How many batches each half of every patch gets next.
+pub(super) type Round = [Vec<u32>; 2];
+
+/// The round to begin with.
+pub(super) fn first_round(patches: usize, budget: &Budget) -> Round {
+    let affordable =
+        budget.paths.map_or(u64::from(FIRST), |paths| paths / (2 * u64::from(BATCH) * patches.max(1) as u64));
+    // Two batches are the fewest that have a spread.
+    let batches = affordable.clamp(2, u64::from(FIRST)) as u32;
+    [vec![batches; patches], vec![batches; patches]]
+}
+
+/// The round that follows, when `used` of the budget is used up by `spent` paths in all.
+pub(super) fn next_round(estimate: &PathTraced, used: f64) -> Round {
+    let spent: u64 = (0..estimate.len()).map(|i| estimate.paths_of(i)).sum();
+    // As many paths again, or what is left of the budget at the price so far.
+    let left = spent as f64 * ((1.0 - used) / used.max(1e-9)).min(1.0);
+    let batches = (left / f64::from(2 * BATCH)).ceil();
+    let [a, b] = &estimate.halves;
+    [share_out(a, b, batches), share_out(b, a, batches)]
+}
+
+/// Shares `batches` out among the patches of half `own` by what `other` knows of their spread.
+fn share_out(own: &Half, other: &Half, batches: f64) -> Vec<u32> {
+    let mut worth = other.spread.clone();
+    let mean = worth.iter().sum::<f64>() / worth.len().max(1) as f64;
+    worth.iter_mut().for_each(|w| *w = if mean > 0.0 { w.max(FLOOR * mean) } else { 1.0 });
+    // What each lacks of its share of all batches, scaled to what there is to give.
+    let all = batches + own.batches.iter().map(|&n| f64::from(n)).sum::<f64>();
+    let total: f64 = worth.iter().sum();
+    let lack: Vec<f64> =
+        worth.iter().zip(&own.batches).map(|(w, &n)| (all * w / total - f64::from(n)).max(0.0)).collect();
+    let scale = batches / lack.iter().sum::<f64>().max(1e-300);
+    // Round the running sum, so that the whole comes out right.
+    let mut owed = 0.0f64;
+    let mut given = 0.0f64;
+    let round = |lack: f64| {
+        owed += lack * scale;
+        let now = (owed - given).round().max(0.0);
+        given += now;
+        now as u32
+    };
+    lack.into_iter().map(round).collect()
+}

@@ -1,0 +1,184 @@
+//! Walk: one light path, followed backwards from where light is wanted.
+//!
+//! The irradiance at x is H(x) = π ∫ L(x, ω) cos θ/π dω. With ω drawn with density cos θ/π and y what it meets,
+//!
+//! H(x) = E\[ π Lₑ(y) + ρ(y) H(y) \],
+//!
+//! so that a walk over y, y′, … sums up ρ(y) ρ(y′) … · π Lₑ. Lamps are found twice at every step: by ω, and by a point drawn on them. The
+//! two are joined by multiple importance sampling with the power heuristic (Veach 1997, eq. 9.13).
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::lights::Lights;
+use crate::scene::Side;
+use crate::trace::sampling::{Sequence, cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
+use crate::trace::{Hit, Ray, Tracer};
+
+/// Steps that every walk takes; from then on Russian roulette decides whether it goes on.
+const CERTAIN: usize = 3;
+
+/// A place on a face's side.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub face: u32,
+    pub point: DVec3,
+    /// Unit normal of the side.
+    pub normal: DVec3,
+}
+
+impl Place {
+    /// Where a ray ended.
+    pub fn of(tracer: &Tracer, hit: &Hit) -> Self {
+        let [a, b, c] = *tracer.corners(hit.face as usize);
+        let [u, v] = hit.barycentrics;
+        Self {
+            face: hit.face,
+            point: a + (b - a) * u + (c - a) * v,
+            normal: tracer.normal(hit.face as usize, hit.side),
+        }
+    }
+}
+
+/// The random numbers of a path: a point of a sequence, four dimensions at a time.
+pub(super) struct Numbers {
+    pub sequence: Sequence,
+    pub point: u32,
+    pub set: u32,
+}
+
+impl Numbers {
+    #[inline]
+    pub fn next(&mut self) -> [f64; 4] {
+        self.set += 1;
+        self.sequence.dimensions(self.point, self.set - 1)
+    }
+}
+
+/// What a walk needs to know.
+#[derive(Debug)]
+pub(super) struct Walker<'t, 's> {
+    pub tracer: &'t Tracer<'s>,
+    pub lights: Lights,
+    pub channels: usize,
+    /// Per face and channel.
+    reflectance: Vec<f64>,
+    emission: Vec<f64>,
+}
+
+impl<'t, 's> Walker<'t, 's> {
+    pub fn new(tracer: &'t Tracer<'s>) -> Self {
+        let scene = tracer.scene();
+        let faces = 0..scene.faces().len();
+        Self {
+            tracer,
+            lights: Lights::new(tracer),
+            channels: scene.channels(),
+            reflectance: faces
+                .clone()
+                .flat_map(|f| scene.material_of(f).reflectance.iter().copied())
+                .collect(),
+            emission: faces.flat_map(|f| scene.material_of(f).emission.iter().copied()).collect(),
+        }
+    }
+
+    /// ρ of a face, per channel.
+    #[inline]
+    pub fn reflectance(&self, face: u32) -> &[f64] {
+        &self.reflectance[face as usize * self.channels..][..self.channels]
+    }
+
+    /// Lₑ of a face's front, per channel.
+    #[inline]
+    pub fn emission(&self, face: u32) -> &[f64] {
+        &self.emission[face as usize * self.channels..][..self.channels]
+    }
+
+    /// Walks on from `place`, first in direction `first` of the unit square. Calls `arrives(k, weight, emission)` for each part
+    /// weight·emission (per channel) of the irradiance at `place` by light that has been reflected k times. `weight` is scratch: one value a
+    /// channel. No more than `longest` reflections.
+    #[inline]
+    pub fn irradiance(
+        &self,
+        mut place: Place,
+        first: [f64; 2],
+        numbers: &mut Numbers,
+        weight: &mut [f64],
+        longest: usize,
+        mut arrives: impl FnMut(usize, f64, &[f64], &[f64]),
+    ) {
+        weight.fill(1.0);
+        let mut direction = first;
+        for k in 0.. {
+            // Look straight at a lamp.
+            let [u, v, chance, _] = numbers.next();
+            if let Some((seen, face)) = self.look_at_light(&place, [u, v]) {
+                arrives(k, seen, weight, self.emission(face));
+            }
+            // Go on in a direction of density cos θ/π.
+            let outwards = frame_around(place.normal) * cosine_hemisphere(direction);
+            let ray = Ray { origin: place.point, direction: outwards, from: place.face };
+            let Some(hit) = self.tracer.closest_hit(&ray) else { return };
+            let next = Place::of(self.tracer, &hit);
+            // Count the lamp that was met.
+            let density = self.lights.density(hit.face);
+            if hit.side == Side::Front && density > 0.0 {
+                let by_direction = cosine_hemisphere_pdf(place.normal.dot(outwards));
+                let by_light = density * hit.distance * hit.distance / -next.normal.dot(outwards);
+                arrives(k, PI * share(by_direction, by_light), weight, self.emission(hit.face));
+            }
+            if k == longest {
+                return;
+            }
+            // Reflect, and let chance decide whether what is left is worth another step.
+            let before = largest(weight);
+            weight.iter_mut().zip(self.reflectance(hit.face)).for_each(|(w, rho)| *w *= rho);
+            let survival = largest(weight) / before;
+            if survival == 0.0 {
+                return;
+            }
+            if k + 1 >= CERTAIN {
+                if chance >= survival {
+                    return;
+                }
+                weight.iter_mut().for_each(|w| *w /= survival);
+            }
+            place = next;
+            let [s, t, ..] = numbers.next();
+            direction = [s, t];
+        }
+    }
+
+    /// A point on a lamp that is seen from `place`: irradiance per unit of its emission, and its face.
+    #[inline]
+    fn look_at_light(&self, place: &Place, square: [f64; 2]) -> Option<(f64, u32)> {
+        let light = self.lights.sample(square)?;
+        let between = light.point - place.point;
+        let squared = between.length_squared();
+        let (here, there) = (place.normal.dot(between), -light.normal.dot(between));
+        if here <= 0.0 || there <= 0.0 || light.face == place.face {
+            return None;
+        }
+        if !self.tracer.unoccluded((place.point, place.face), (light.point, light.face)) {
+            return None;
+        }
+        let distance = squared.sqrt();
+        let by_light = light.density * squared * distance / there;
+        let by_direction = cosine_hemisphere_pdf(here / distance);
+        // cos θ cos θ′ / r², per density of the point.
+        Some((here * there / (squared * squared) / light.density * share(by_light, by_direction), light.face))
+    }
+}
+
+/// The power heuristic: how much of what one way of sampling finds is to be believed beside another.
+#[inline]
+fn share(density: f64, other: f64) -> f64 {
+    let ratio = other / density;
+    1.0 / (1.0 + ratio * ratio)
+}
+
+#[inline]
+fn largest(weight: &[f64]) -> f64 {
+    weight.iter().copied().fold(0.0, f64::max)
+}
