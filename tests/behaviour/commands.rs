@@ -239,6 +239,14 @@ fn linear_elements_fill_the_same_tables_and_say_what_they_are() {
         rows.iter().map(|row| number(row, "area") * number(row, "irradiance_g")).sum::<f64>()
     };
     assert!((sum(&linear.2) / sum(&constant.2) - 1.0).abs() < 0.05);
+    // Light paths find the same.
+    done(scratch.folder(), "compare -o against --basis linear --paths 200000 --samples 1");
+    let comparison = json(&scratch.path("against/comparison.json"));
+    assert_eq!(comparison["basis"], "linear");
+    let orders = comparison["orders"].as_array().expect("a list");
+    let (first, last) = (&orders[0], &orders[orders.len() - 1]);
+    assert_eq!(first["vs_direct"], 1.0);
+    assert!(last["vs_direct"].as_f64().unwrap() < 1e-5 && last["bound"].as_f64().unwrap() < 1e-5, "{last}");
     // Saved form factors bring their basis along.
     let output = radiosity(scratch.folder(), "solve -o again --factors linear.ff --size 80x60");
     assert!(output.status.success(), "{}", text(&output.stderr));
