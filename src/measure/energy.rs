@@ -25,14 +25,14 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// Accounts for emitted radiance `e` and radiance `l` (n × c) under operator `k`; `unit` is the operator's unit of area in m².
+    /// Accounts for emitted radiance `e` and radiance `l` (N × c) under operator `k`; `unit` is the operator's unit of area in m².
     ///
     /// # Panics
-    /// If `e` or `l` is not n × c.
+    /// If `e` or `l` is not N × c.
     pub fn new(k: &Transport, e: &DMatrix<f64>, l: &DMatrix<f64>, unit: f64) -> Self {
         let channels = k.channels();
         let irradiance = k.irradiance(l);
-        let area = k.mass();
+        let area = k.mass().sums();
         let weigh = |value: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
             (0..channels).map(|c| unit * (0..k.len()).map(|i| value(i, c)).sum::<f64>()).collect()
         };

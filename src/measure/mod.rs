@@ -7,6 +7,7 @@ mod comparison;
 mod energy;
 mod health;
 mod path_tracer;
+mod undershoot;
 
 use crate::patches::PatchError;
 use crate::progress::Cancelled;
@@ -19,6 +20,7 @@ pub use comparison::{
 pub use energy::Energy;
 pub use health::{Finding, Verdict, mesh_health, operator_health};
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
+pub use undershoot::Undershoot;
 
 /// Why something could not be measured.
 #[derive(Debug, thiserror::Error)]

@@ -26,6 +26,8 @@ pub struct ComparisonSummary {
     pub patches: usize,
     /// Rays per patch.
     pub rays: u32,
+    /// How light varies over a patch: `constant` or `linear`.
+    pub basis: &'static str,
     /// The series, order by order.
     pub orders: Vec<OrderSummary>,
     /// The direct solution.
@@ -53,7 +55,7 @@ pub struct OrderSummary {
     pub bias: f64,
     /// Of the worst patch, in standard errors.
     pub worst_z: f64,
-    /// *Guaranteed* bound on `vs_direct`; `null` where none is known yet.
+    /// Bound on `vs_direct`, *guaranteed* for constant elements and *estimated* for linear ones; `null` where none is known yet.
     pub bound: Option<f64>,
     /// Time that the answer of this order takes, form factors included.
     pub seconds: f64,

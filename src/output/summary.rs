@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use serde::Serialize;
 
 use super::to_rgb;
-use crate::measure::Energy;
+use crate::measure::{Energy, Undershoot};
 use crate::solve::{Report, Series, Solution};
 use crate::transport::{Closure, Effect};
 
@@ -35,6 +35,8 @@ pub struct Summary {
     pub rays: u32,
     /// Number of channels that were solved.
     pub channels: usize,
+    /// How light varies over a patch: `constant` or `linear`.
+    pub basis: &'static str,
     /// How exchange areas are stored: `dense` or `sparse`.
     pub storage: &'static str,
     /// What the scene calls for and what was simulated.
@@ -49,6 +51,8 @@ pub struct Summary {
     pub energy: EnergySummary,
     /// How well form factors close.
     pub closure: Closure,
+    /// How far radiance falls below zero within patches; not at all for constant elements.
+    pub undershoot: Undershoot,
     /// Error bars; not estimated yet.
     pub error: Option<()>,
     /// What the user should know.
@@ -87,7 +91,7 @@ pub struct SeriesSummary {
     pub order: usize,
     /// ‖E − (I − K)L‖∞ / ‖E‖∞.
     pub residual: f64,
-    /// *Guaranteed* bound on ‖error‖∞ / ‖L‖∞.
+    /// Bound on the relative error, as in [`Report::bound`].
     pub bound: f64,
     /// ‖L − L_solver‖∞ / ‖L_solver‖∞, how far the two solvers are apart.
     pub difference: f64,
@@ -104,7 +108,7 @@ pub struct BounceSummary {
     pub flux: [f64; 3],
     /// Relative residual of the sum up to here.
     pub residual: f64,
-    /// *Guaranteed* bound on ‖error‖∞ / ‖L‖∞ of the sum up to here.
+    /// Bound on the relative error of the sum up to here, as in [`Report::bound`].
     pub bound: f64,
 }
 

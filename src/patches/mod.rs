@@ -5,6 +5,7 @@
 //! numbered by face, then side, then cell. Everything that has one value a patch uses that order.
 
 mod aggregate;
+mod basis;
 mod groups;
 mod sides;
 mod subdivide;
@@ -18,6 +19,7 @@ use crate::progress::{Cancelled, Progress};
 use crate::scene::{FaceState, Scene, Side};
 use crate::trace::{Frame, Ray, Tracer, sampling};
 pub use aggregate::FaceRow;
+pub use basis::Basis;
 pub use groups::{Group, GroupBy, Groups};
 pub use sides::Reach;
 pub use subdivide::Barycentrics;
@@ -264,6 +266,12 @@ impl<'s> Patches<'s> {
     #[inline]
     pub(crate) fn slot_at(&self, face: usize, side: Side, point: Barycentrics) -> u32 {
         self.first_slot_of(face, side) + self.cuts.cell_at(face, point)
+    }
+
+    /// Where in a slot's cell a point of the slot's face lies: weights of the cell's second and third corner.
+    pub(crate) fn weights_in(&self, slot: u32, point: Barycentrics) -> Barycentrics {
+        let Slot { face, cell, .. } = self.slot(slot);
+        self.cuts.weights_in(face, cell, point)
     }
 
     /// The patches of a face's side; they follow one another.

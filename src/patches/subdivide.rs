@@ -208,6 +208,18 @@ impl Cuts {
         let corners = self.grids[piece.grid as usize].corners(cell - piece.first_cell);
         corners.map(|(h, w)| (a + (b - a) * (h - w) + (c - a) * w).to_array())
     }
+
+    /// Where in a cell a point of its face lies: weights of the cell's second and third corner. A point beside the cell is moved
+    /// to its rim.
+    pub fn weights_in(&self, face: usize, cell: u32, point: Barycentrics) -> Barycentrics {
+        let [a, b, c] = self.corners(face, cell).map(DVec2::from);
+        let weights = DMat2::from_cols(b - a, c - a).inverse() * (DVec2::from(point) - a);
+        if !weights.is_finite() {
+            return [1.0 / 3.0; 2];
+        }
+        let weights = weights.max(DVec2::ZERO);
+        (weights / (weights.x + weights.y).max(1.0)).to_array()
+    }
 }
 
 #[cfg(test)]
@@ -252,6 +264,8 @@ mod tests {
                         let [u, v] = uniform_triangle([x, y]);
                         let point = a + (b - a) * u + (c - a) * v;
                         assert_eq!(cuts.cell_at(0, point.to_array()), cell, "{corners:?} {edge}");
+                        let [found_u, found_v] = cuts.weights_in(0, cell, point.to_array());
+                        assert!((found_u - u).abs().max((found_v - v).abs()) < 1e-6, "{corners:?} {edge}");
                     }
                 }
             }

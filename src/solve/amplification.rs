@@ -2,26 +2,49 @@
 //!
 //! K ≥ 0, so ‖(I − K)⁻¹‖∞ = max w with w = (I − K)⁻¹1. From any ŵ with ‖1 − (I − K)ŵ‖∞ ≤ ε < 1 follows the guaranteed
 //! bound max w ≤ max ŵ / (1 − ε), so that a rough ŵ will do.
+//!
+//! For linear elements K = diag(ρ) M⁻¹S has negative entries and none of this holds. There errors are measured by √(∫ L² dA): with
+//! the symmetric form, (I − K)⁻¹r = r + R (I − R S R)⁻¹ R S r, so that an error is at most 1 + ρ_max/(1 − λ) times its residual, with λ
+//! the largest eigenvalue of R S R and ‖M^(−½) S M^(−½)‖ = 1. λ is found by Lanczos' method, from below: the bound is an
+//! *estimate*.
 
 use nalgebra::DMatrix;
 
 use super::conjugate_gradient::iterate;
+use super::symmetric::Root;
 use super::{CgOptions, SolveError, bounce, relative};
-use crate::transport::Transport;
+use crate::patches::Basis;
+use crate::progress::Progress;
+use crate::transport::{Transport, ends_of_spectrum, uneven};
 
-/// *Guaranteed* upper bounds on ‖(I − K)⁻¹‖∞ and the condition number, per channel.
+/// How sure a bound is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Certainty {
+    /// It holds for the operator at hand, in exact arithmetic.
+    Guaranteed,
+    /// It is about right.
+    Estimated,
+}
+
+/// Upper bounds on ‖(I − K)⁻¹‖ and the condition number, per channel: *guaranteed* in ‖·‖∞ for constant elements, *estimated* in
+/// √(∫ L² dA) for linear ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Amplification {
     inverse_norm: Vec<f64>,
     norm: Vec<f64>,
+    certainty: Certainty,
 }
 
 impl Amplification {
-    /// Bounds ‖(I − K)⁻¹‖∞ by a few steps of conjugate gradients.
+    /// Bounds ‖(I − K)⁻¹‖ by a few steps of conjugate gradients, or of Lanczos' method.
     ///
     /// # Errors
     /// `Cancelled`.
     pub fn new(k: &Transport, options: &CgOptions) -> Result<Self, SolveError> {
+        if k.basis() == Basis::Linear {
+            return Self::estimate(k, options.progress);
+        }
         let ones = DMatrix::repeat(k.len(), k.channels(), 1.0);
         let rough = CgOptions { tolerance: 0.05, ..*options };
         let (w, _) = iterate(k, &ones, &rough)?;
@@ -37,7 +60,31 @@ impl Amplification {
         known.map_or_else(|| Self::new(k, options), |known| Ok(known.clone()))
     }
 
-    /// Bounds from a rough ŵ (n × c).
+    /// The estimate for linear elements.
+    pub(super) fn estimate(k: &Transport, progress: Progress) -> Result<Self, SolveError> {
+        let most_reflected: Vec<f64> = k.reflectance().column_iter().map(|column| column.max()).collect();
+        let root = Root::new(k);
+        // Start near what is even and lasts longest.
+        let mut start = DMatrix::from_iterator(k.len(), 1, uneven(k.len()));
+        start.column_mut(0).zip_apply(k.mass().sums(), |x, sum| *x *= sum.sqrt());
+        let start = DMatrix::from_fn(k.len(), k.channels(), |i, _| start[i]);
+        let mut through = DMatrix::zeros(k.len(), k.channels());
+        let ends = ends_of_spectrum(start, |x| {
+            progress.at("solve", 0.0)?;
+            k.exchange().apply(&root.times(x), &mut through);
+            Ok::<_, SolveError>(root.times(&through))
+        })?;
+        let inverse_norm = most_reflected.iter().zip(&ends).map(|(&rho, &[_, eigenvalue])| {
+            if eigenvalue < 1.0 { 1.0 + rho / (1.0 - eigenvalue) } else { f64::INFINITY }
+        });
+        Ok(Self {
+            inverse_norm: inverse_norm.collect(),
+            norm: most_reflected,
+            certainty: Certainty::Estimated,
+        })
+    }
+
+    /// Guaranteed bounds for constant elements from a rough ŵ (n × c).
     pub(super) fn from_rough(k: &Transport, mut w: DMatrix<f64>) -> Self {
         let ones = DMatrix::repeat(k.len(), k.channels(), 1.0);
         let norm = k.norm();
@@ -58,10 +105,23 @@ impl Amplification {
                 from_w.min(from_norm)
             })
             .collect();
-        Self { inverse_norm, norm }
+        Self { inverse_norm, norm, certainty: Certainty::Guaranteed }
     }
 
-    /// Bound on ‖(I − K)⁻¹‖∞ in channel c; infinite where none was found.
+    /// Whether the bounds are guaranteed.
+    pub fn certainty(&self) -> Certainty {
+        self.certainty
+    }
+
+    /// ‖x‖ of channel c in the norm of these bounds.
+    pub(super) fn size(&self, k: &Transport, x: &DMatrix<f64>, c: usize) -> f64 {
+        match self.certainty {
+            Certainty::Guaranteed => x.column(c).amax(),
+            Certainty::Estimated => k.mass().norm(x.column(c)),
+        }
+    }
+
+    /// Bound on ‖(I − K)⁻¹‖ in channel c; infinite where none was found.
     pub fn of(&self, c: usize) -> f64 {
         self.inverse_norm[c]
     }

@@ -1,10 +1,11 @@
 //! Conjugate gradients on the symmetric form of the radiosity equation (Hestenes & Stiefel 1952).
 //!
-//! With s = √(ρ/A), y = s∘S L solves (I − diag(s) S diag(s)) y = s∘S E, which is symmetric positive definite; then
-//! L = E + s∘y. All channels go through the matrix in one pass.
+//! With R = √ρ M^(−½), y = R S L solves (I − R S R) y = R S E, which is symmetric positive definite; then
+//! L = E + R y. All channels go through the matrix in one pass.
 
 use nalgebra::DMatrix;
 
+use super::symmetric::Root;
 use super::{Amplification, Solution, SolveError, finish, relative};
 use crate::progress::Progress;
 use crate::transport::Transport;
@@ -35,7 +36,7 @@ impl Default for CgOptions<'_> {
 /// `NotConverged`, with the best iterate, or `Cancelled`.
 ///
 /// # Panics
-/// If `e` is not n × c.
+/// If `e` is not N × c.
 pub fn conjugate_gradients(
     k: &Transport,
     e: &DMatrix<f64>,
@@ -51,30 +52,27 @@ pub fn conjugate_gradients(
     Ok(solution)
 }
 
-/// Iterates until the residual of L = E + s∘y is small in every channel; answers L and the number of passes.
+/// Iterates until the residual of L = E + R y is small in every channel; answers L and the number of passes.
 pub(super) fn iterate(
     k: &Transport,
     e: &DMatrix<f64>,
     options: &CgOptions,
 ) -> Result<(DMatrix<f64>, usize), SolveError> {
     let (n, channels) = e.shape();
-    assert_eq!((n, channels), (k.len(), k.channels()), "the right-hand side is n × c");
-    let s = symmetric_scale(k);
+    assert_eq!((n, channels), (k.len(), k.channels()), "the right-hand side is N × c");
+    let root = Root::new(k);
     let goal: Vec<f64> = e.column_iter().map(|column| options.tolerance * column.amax()).collect();
     let mut through = DMatrix::zeros(n, channels);
     k.exchange().apply(e, &mut through);
     let mut passes = 1;
-    let mut r = s.component_mul(&through);
+    let mut r = root.times(&through);
     let mut y = DMatrix::zeros(n, channels);
     let mut p = r.clone();
     let mut rr: Vec<f64> = r.column_iter().map(|column| column.norm_squared()).collect();
-    // The residual of L is s∘r.
-    let off = |r: &DMatrix<f64>, c: usize| {
-        r.column(c).zip_fold(&s.column(c), 0.0f64, |m, r, s| m.max((r * s).abs()))
-    };
     let mut worst_at_start = f64::NAN;
     while passes < options.iterations {
-        let offs: Vec<f64> = (0..channels).map(|c| off(&r, c)).collect();
+        // The residual of L is R r.
+        let offs: Vec<f64> = root.times(&r).column_iter().map(|column| column.amax()).collect();
         let worst = (0..channels).map(|c| relative(offs[c], goal[c])).fold(0.0, f64::max);
         if worst <= 1.0 {
             break;
@@ -83,10 +81,10 @@ pub(super) fn iterate(
             worst_at_start = worst;
         }
         options.progress.at("solve", (1.0 - worst.ln() / worst_at_start.ln()).clamp(0.0, 0.99))?;
-        // q = (I − sSs) p
-        k.exchange().apply(&s.component_mul(&p), &mut through);
+        // q = (I − RSR) p
+        k.exchange().apply(&root.times(&p), &mut through);
         passes += 1;
-        let q = &p - s.component_mul(&through);
+        let q = &p - root.times(&through);
         for c in 0..channels {
             let curvature = p.column(c).dot(&q.column(c));
             if offs[c] <= goal[c] || curvature <= 0.0 {
@@ -101,15 +99,5 @@ pub(super) fn iterate(
             p.column_mut(c).axpy(1.0, &r.column(c), beta);
         }
     }
-    Ok((e + s.component_mul(&y), passes))
-}
-
-/// s = √(ρ/A), n × c.
-pub(super) fn symmetric_scale(k: &Transport) -> DMatrix<f64> {
-    let mass = k.mass();
-    let mut s = k.reflectance().clone();
-    for mut column in s.column_iter_mut() {
-        column.zip_apply(mass, |rho, area| *rho = (*rho / area).sqrt());
-    }
-    s
+    Ok((e + root.times(&y), passes))
 }

@@ -1,23 +1,23 @@
 //! The direct solver: Cholesky factors of the symmetric form.
 //!
-//! With s = √(ρ/A), the matrix I − diag(s) S diag(s) is symmetric positive definite, has a unit scale whatever the patch areas, and
+//! With R = √ρ M^(−½), the matrix I − R S R is symmetric positive definite, has a unit scale whatever the patch areas, and
 //! does not mind ρ = 0. It is factored once per distinct ρ; channels with the same reflectances share their factor.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
 use faer::{MatMut, MatRef, Par};
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
-use super::conjugate_gradient::symmetric_scale;
+use super::symmetric::Root;
 use super::{Amplification, Solution, SolveError, finish};
+use crate::patches::Basis;
 use crate::progress::Progress;
 use crate::transport::Transport;
 
 /// Limits of the direct solver.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectOptions<'a> {
-    /// The most bytes the factors may take: 8 n² for each distinct ρ.
+    /// The most bytes the factors may take: 8 N² for each distinct ρ.
     pub memory: u64,
     /// Where to report progress, as stages `factor` and `solve`.
     pub progress: Progress<'a>,
@@ -34,7 +34,7 @@ impl Default for DirectOptions<'_> {
 #[derive(Debug)]
 pub struct Direct<'k> {
     k: &'k Transport<'k>,
-    scale: DMatrix<f64>,
+    root: Root<'k>,
     /// Lower triangular Cholesky factors, one per distinct ρ.
     factors: Vec<DMatrix<f64>>,
     /// Which factor a channel uses.
@@ -58,28 +58,32 @@ pub fn direct<'k>(k: &'k Transport<'k>, options: &DirectOptions) -> Result<Direc
     if needed > options.memory {
         return Err(SolveError::Memory { n, needed, limit: options.memory });
     }
-    let scale = symmetric_scale(k);
+    let root = Root::new(k);
     let mut factors = Vec::new();
     for (done, &c) in distinct.iter().enumerate() {
         options.progress.at("factor", done as f64 / distinct.len() as f64)?;
-        factors.push(factor(k, scale.column(c).as_slice())?);
+        factors.push(factor(k, &root, c)?);
     }
     options.progress.at("factor", 1.0)?;
     let ones = DMatrix::repeat(n, k.channels(), 1.0);
-    let w = back_substitute(k, &scale, &factors, &factor_of, &ones);
-    let amplification = Amplification::from_rough(k, w);
-    Ok(Direct { k, scale, factors, factor_of, amplification })
+    let amplification = match k.basis() {
+        Basis::Constant => {
+            Amplification::from_rough(k, back_substitute(k, &root, &factors, &factor_of, &ones))
+        }
+        Basis::Linear => Amplification::estimate(k, options.progress)?,
+    };
+    Ok(Direct { k, root, factors, factor_of, amplification })
 }
 
 impl Direct<'_> {
-    /// Solves L = E + K L for one right-hand side E (n × c).
+    /// Solves L = E + K L for one right-hand side E (N × c).
     ///
     /// # Panics
-    /// If `e` is not n × c.
+    /// If `e` is not N × c.
     pub fn solve(&self, e: &DMatrix<f64>) -> Solution {
-        assert_eq!(e.shape(), (self.k.len(), self.k.channels()), "the right-hand side is n × c");
+        assert_eq!(e.shape(), (self.k.len(), self.k.channels()), "the right-hand side is N × c");
         let substitute =
-            |e: &DMatrix<f64>| back_substitute(self.k, &self.scale, &self.factors, &self.factor_of, e);
+            |e: &DMatrix<f64>| back_substitute(self.k, &self.root, &self.factors, &self.factor_of, e);
         let radiance = substitute(e);
         // Refine once: solve for what the residual says is left.
         let residual = e + self.k.reflect(&self.k.irradiance(&radiance)) - &radiance;
@@ -118,18 +122,10 @@ fn distinct_channels(reflectance: &DMatrix<f64>) -> (Vec<usize>, Vec<usize>) {
     (factor_of, distinct)
 }
 
-/// The lower Cholesky factor of I − diag(s) S diag(s).
-fn factor(k: &Transport, s: &[f64]) -> Result<DMatrix<f64>, SolveError> {
+/// The lower Cholesky factor of I − R S R in one channel.
+fn factor(k: &Transport, root: &Root, channel: usize) -> Result<DMatrix<f64>, SolveError> {
     let n = k.len();
-    let mut matrix = DMatrix::zeros(n, n);
-    matrix.as_mut_slice().par_chunks_mut(n).enumerate().for_each(|(j, column)| {
-        column[j] = 1.0;
-        k.exchange().for_row(j, |i, exchange| {
-            if i >= j {
-                column[i] -= s[i] * exchange * s[j];
-            }
-        });
-    });
+    let mut matrix = root.matrix(channel);
     let scratch = llt::factor::cholesky_in_place_scratch::<f64>(n, split(), Default::default());
     let result = llt::factor::cholesky_in_place(
         MatMut::from_column_major_slice_mut(matrix.as_mut_slice(), n, n),
@@ -140,14 +136,16 @@ fn factor(k: &Transport, s: &[f64]) -> Result<DMatrix<f64>, SolveError> {
     );
     match result {
         Ok(_) => Ok(matrix),
-        Err(llt::factor::LltError::NonPositivePivot { index }) => Err(SolveError::Singular { patch: index }),
+        Err(llt::factor::LltError::NonPositivePivot { index }) => {
+            Err(SolveError::Singular { patch: index / k.basis().coefficients() })
+        }
     }
 }
 
-/// L = E + s∘y with y from the factors of its channel.
+/// L = E + R y with y from the factors of its channel.
 fn back_substitute(
     k: &Transport,
-    scale: &DMatrix<f64>,
+    root: &Root,
     factors: &[DMatrix<f64>],
     factor_of: &[usize],
     e: &DMatrix<f64>,
@@ -155,7 +153,7 @@ fn back_substitute(
     let n = k.len();
     let mut y = DMatrix::zeros(n, e.ncols());
     k.exchange().apply(e, &mut y);
-    y.component_mul_assign(scale);
+    let mut y = root.times(&y);
     for (c, &f) in factor_of.iter().enumerate() {
         let scratch = llt::solve::solve_in_place_scratch::<f64>(n, 1, split());
         llt::solve::solve_in_place(
@@ -165,5 +163,5 @@ fn back_substitute(
             MemStack::new(&mut MemBuffer::new(scratch)),
         );
     }
-    e + scale.component_mul(&y)
+    e + root.times(&y)
 }

@@ -6,32 +6,49 @@
 //! | [`conjugate_gradients`] | conjugate gradients on the same form | any size |
 //! | [`neumann()`] | E + KE + K²E + …, a bounce of light each | to see how light builds up |
 //!
-//! Each takes the operator and the right-hand side E (n × c) and answers a [`Solution`] that carries its own [`Report`].
+//! Each takes the operator and the right-hand side E (N × c, a row per coefficient) and answers a [`Solution`] that carries its own [`Report`].
 
 mod amplification;
 mod conjugate_gradient;
 mod direct;
 mod neumann;
+mod symmetric;
 
 use nalgebra::DMatrix;
 
-pub use amplification::Amplification;
+pub use amplification::{Amplification, Certainty};
 pub use conjugate_gradient::{CgOptions, conjugate_gradients};
 pub use direct::{Direct, DirectOptions, direct};
 pub use neumann::{Bounce, NeumannOptions, Series, bounces, neumann};
 
+use crate::patches::Basis;
 use crate::progress::{Cancelled, Progress};
 use crate::transport::{Transport, readable};
 
 /// Radiance and irradiance of every patch, and how good they are.
+///
+/// N is the number of coefficients: of patches n, or 3n for linear elements.
 #[derive(Clone)]
 pub struct Solution {
-    /// Radiance L, n × c, W·sr⁻¹·m⁻². Row by row Lₑ + ρH/π.
+    /// Radiance L, N × c, W·sr⁻¹·m⁻². Row by row Lₑ + ρH/π.
     pub radiance: DMatrix<f64>,
-    /// Irradiance H, n × c, W·m⁻².
+    /// Irradiance H, N × c, W·m⁻².
     pub irradiance: DMatrix<f64>,
     /// How it was found.
     pub report: Report,
+}
+
+impl Solution {
+    /// The means over patches, n × c, of a solution by coefficients of this basis.
+    pub fn means(self, basis: Basis) -> Self {
+        match basis {
+            Basis::Constant => self,
+            Basis::Linear => {
+                let (radiance, irradiance) = (basis.means(&self.radiance), basis.means(&self.irradiance));
+                Self { radiance, irradiance, report: self.report }
+            }
+        }
+    }
 }
 
 impl std::fmt::Debug for Solution {
@@ -50,10 +67,13 @@ pub struct Report {
     pub iterations: usize,
     /// ‖E − (I − K)L‖∞ / ‖E‖∞, recomputed from the answer; the largest over channels.
     pub residual: f64,
-    /// *Guaranteed* bound on ‖error‖∞ / ‖L‖∞ for this operator, the largest over channels.
+    /// Bound on the relative error ‖error‖ / ‖L‖ for this operator, the largest over channels. For constant elements the norm
+    /// is ‖·‖∞, for linear ones it is √(∫ L² dA).
     pub bound: f64,
-    /// *Guaranteed* bound on the condition number ‖I − K‖∞ ‖(I − K)⁻¹‖∞, the largest over channels.
+    /// Bound on the condition number ‖I − K‖ ‖(I − K)⁻¹‖ in the same norm, the largest over channels.
     pub condition: f64,
+    /// Whether these two bounds are guaranteed.
+    pub certainty: Certainty,
 }
 
 /// Why there is no solution.
@@ -149,7 +169,7 @@ impl Default for SolveOptions<'_> {
 /// As the solver's own.
 ///
 /// # Panics
-/// If `e` is not n × c.
+/// If `e` is not N × c.
 pub fn solve(k: &Transport, e: &DMatrix<f64>, options: &SolveOptions) -> Result<Solution, SolveError> {
     solve_all(k, &[e], options).map(|mut solutions| solutions.remove(0))
 }
@@ -160,7 +180,7 @@ pub fn solve(k: &Transport, e: &DMatrix<f64>, options: &SolveOptions) -> Result<
 /// As the solver's own.
 ///
 /// # Panics
-/// If some right-hand side is not n × c.
+/// If some right-hand side is not N × c.
 pub fn solve_all(
     k: &Transport,
     right_hand_sides: &[&DMatrix<f64>],
@@ -200,21 +220,24 @@ fn finish(
 ) -> Solution {
     let (irradiance, radiance) = bounce(k, e, radiance);
     let (_, next) = bounce(k, e, &radiance);
-    let report = judge(name, iterations, e, &radiance, &(next - &radiance), amplification);
+    let report = judge(k, (name, iterations), e, &radiance, &(next - &radiance), amplification);
     Solution { radiance, irradiance, report }
 }
 
 /// Judges radiance `l` by its residual r = E − (I − K)L.
 fn judge(
-    name: &'static str,
-    iterations: usize,
+    k: &Transport,
+    (name, iterations): (&'static str, usize),
     e: &DMatrix<f64>,
     l: &DMatrix<f64>,
     r: &DMatrix<f64>,
     amplification: &Amplification,
 ) -> Report {
     let bound = (0..e.ncols())
-        .map(|c| relative(amplification.of(c) * r.column(c).amax(), l.column(c).amax()))
+        .map(|c| {
+            let size = |x: &DMatrix<f64>| amplification.size(k, x, c);
+            relative(amplification.of(c) * size(r), size(l))
+        })
         .fold(0.0, f64::max);
     Report {
         name,
@@ -222,6 +245,7 @@ fn judge(
         residual: relative_residual(r, e),
         bound,
         condition: amplification.condition(),
+        certainty: amplification.certainty(),
     }
 }
 

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 
 use super::{Amplification, CgOptions, Report, Solution, SolveError, bounce, judge};
+use crate::patches::Basis;
 use crate::progress::Progress;
 use crate::transport::Transport;
 
@@ -37,7 +38,7 @@ pub struct Bounce {
     pub flux: Vec<f64>,
     /// Relative residual of the sum up to here.
     pub residual: f64,
-    /// *Guaranteed* bound on ‖error‖∞ / ‖L‖∞ of the sum up to here.
+    /// Bound on the relative error of the sum up to here, as in [`Report::bound`].
     pub bound: f64,
 }
 
@@ -59,18 +60,23 @@ impl Series {
 
 /// Sums the series until the residual is small enough or the highest order is reached; either is success.
 ///
-/// The bound of order k is the smaller of q/(1−q)·‖L_k − L_{k−1}‖∞ with q = ‖K‖∞, and ‖r_k‖∞·max w ([`Amplification`]).
+/// The bound of order k is the smaller of q/(1−q)·‖L_k − L_{k−1}‖∞ with q = ‖K‖∞, and ‖r_k‖∞·max w ([`Amplification`]); for linear
+/// elements it is the estimate of the latter alone.
 ///
 /// # Errors
 /// `Cancelled`.
 ///
 /// # Panics
-/// If `e` is not n × c.
+/// If `e` is not N × c.
 pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Result<Series, SolveError> {
-    assert_eq!(e.shape(), (k.len(), k.channels()), "the right-hand side is n × c");
+    assert_eq!(e.shape(), (k.len(), k.channels()), "the right-hand side is N × c");
     let amplification = Amplification::known_or_new(options.amplification, k, &CgOptions::default())?;
-    let norm = k.norm();
-    let flux = |l: &DMatrix<f64>| l.column_iter().map(|column| PI * k.mass().dot(&column)).collect();
+    let norm = match k.basis() {
+        Basis::Constant => k.norm(),
+        // M⁻¹S has negative entries, and K·1 tells nothing of its norm.
+        Basis::Linear => vec![f64::INFINITY; k.channels()],
+    };
+    let flux = |l: &DMatrix<f64>| l.column_iter().map(|column| PI * k.mass().sums().dot(&column)).collect();
     let mut radiance = e.clone();
     let mut irradiance = DMatrix::zeros(k.len(), k.channels());
     let mut added = e.clone();
@@ -79,7 +85,8 @@ pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Res
         // The step to the next order is the residual of this one.
         let (next_irradiance, next) = bounce(k, e, &radiance);
         let residual = &next - &radiance;
-        let mut report: Report = judge("neumann", bounces.len(), e, &radiance, &residual, &amplification);
+        let mut report: Report =
+            judge(k, ("neumann", bounces.len()), e, &radiance, &residual, &amplification);
         report.bound = report.bound.min(tail_bound(&norm, &added, &radiance));
         let order = bounces.len();
         bounces.push(Bounce { order, flux: flux(&added), residual: report.residual, bound: report.bound });

@@ -4,17 +4,19 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sprs::CsMatI;
 
+use super::moments;
 use super::rays::{AWAY, Rows};
 use super::recipe::BATCHES;
 use super::storage::{Storage, StorageKind};
-use crate::patches::Patches;
+use crate::patches::{Basis, Patches};
 use crate::scene::Side;
 
 /// Raw exchange areas: symmetric, not yet balanced.
 pub(super) struct Raw {
     pub storage: Storage,
+    /// Per coefficient.
     pub escape: DVector<f64>,
-    /// Which patches are lamps, known better than the rest.
+    /// Which coefficients are those of lamps, known better than the rest.
     pub is_lamp: Vec<bool>,
 }
 
@@ -26,6 +28,9 @@ pub(super) fn assemble(rows: &Rows, patches: &Patches, kind: StorageKind, left_o
         place.side == Side::Front && rows.lamp_faces.binary_search(&(place.face as u32)).is_ok()
     };
     let is_lamp: Vec<bool> = (0..n).map(is_lamp).collect();
+    if rows.recipe.basis == Basis::Linear {
+        return moments::assemble(rows, patches, kind, left_out, &is_lamp);
+    }
     let finder = Finder { rows, patches, is_lamp: &is_lamp, left_out };
     let (parts, escape): (Vec<Vec<Part>>, Vec<f64>) =
         (0..n).into_par_iter().map(|i| finder.found_by(i)).unzip();

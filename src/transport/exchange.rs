@@ -1,33 +1,39 @@
-//! Exchange areas: S_ij = A_i F_ij = S_ji, symmetric and closed.
+//! Exchange areas: S_ij = A_i F_ij = S_ji, symmetric and closed; in general S_(ia)(jb) = ∫∫ φ_a φ_b dF dA for basis functions φ_a on
+//! patch i and φ_b on j, with one row per coefficient.
 //!
-//! Kept as D T D with T symmetric in f32, dense or sparse, and a positive diagonal D in f64 that makes every row
-//! sum to its patch's area together with what escapes. D_i·D_j·T_ij is the same number from both sides, so reciprocity holds
-//! to the last bit.
+//! Kept as D T D with T symmetric, dense or sparse, and a positive diagonal D in f64 that makes every row
+//! sum to M·1 (a patch's area, or a third of it) together with what escapes. D_i·D_j·T_ij is the same number from both sides, so
+//! reciprocity holds to the last bit.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::assembly::{Raw, assemble};
 use super::balance::{self, Closure};
+use super::mass::Mass;
 use super::rays::Rows;
+use super::shrinkage;
 use super::storage::{Storage, StorageKind};
-use crate::patches::Patches;
+use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 
-/// Exchange areas between n patches, and what escapes from each.
+/// Exchange areas between the N coefficients of patches, and what escapes from each.
 #[derive(Clone, Debug)]
 pub struct Exchange {
     storage: Storage,
     scale: DVector<f64>,
     escape: DVector<f64>,
-    areas: DVector<f64>,
+    mass: Mass,
     closure: Closure,
+    /// τ, by which what varies within patches was taken.
+    shrinkage: f64,
 }
 
 impl Exchange {
-    /// Balances raw exchange areas `storage` and escapes (n values) between patches of these areas, any common unit.
+    /// Balances raw exchange areas `storage` and escapes (N values) between coefficients of this mass, any common unit; the areas
+    /// of patches are the mass of constant elements.
     ///
-    /// `lamps` (n flags) marks patches whose entries are known better than the others' and are not to bear their noise.
+    /// `lamps` (N flags) marks those whose entries are known better than the others' and are not to bear their noise.
     ///
     /// # Errors
     /// `Cancelled`.
@@ -37,24 +43,48 @@ impl Exchange {
     pub fn new(
         mut storage: Storage,
         mut escape: DVector<f64>,
-        areas: DVector<f64>,
+        mass: impl Into<Mass>,
         lamps: &[bool],
         progress: Progress,
     ) -> Result<Self, Cancelled> {
-        let n = areas.len();
+        let mass = mass.into();
+        let n = mass.len();
         let shape = match &storage {
             Storage::Dense(m) => m.shape(),
             Storage::Sparse(m) => m.shape(),
+            Storage::Blocks(m) => (3 * m.patches(), 3 * m.patches()),
         };
         let consistent = shape == (n, n) && escape.len() == n && lamps.len() == n;
-        assert!(consistent, "n areas, n escapes, n flags and an n × n matrix");
+        assert!(consistent, "N sums of the mass, N escapes, N flags and an N × N matrix");
         let (scale, closure) = if lamps.contains(&true) {
-            balance::balance_around_lamps(&mut storage, &escape, &areas, lamps, progress)?
+            balance::balance_around_lamps(&mut storage, &escape, mass.sums(), lamps, progress)?
         } else {
-            balance::balance(&storage, &escape, &areas, &DVector::repeat(n, 1.0), progress)?
+            balance::balance(&storage, &escape, mass.sums(), &DVector::repeat(n, 1.0), progress)?
         };
         escape.component_mul_assign(&scale);
-        Ok(Self { storage, scale, escape, areas, closure })
+        let balanced = Self { storage, scale, escape, mass, closure, shrinkage: 1.0 };
+        match balanced.basis() {
+            Basis::Constant => Ok(balanced),
+            Basis::Linear => balanced.shrunk(progress),
+        }
+    }
+
+    /// Takes what varies within patches by the factor that keeps a bounce from adding energy.
+    fn shrunk(self, progress: Progress) -> Result<Self, Cancelled> {
+        let shrinkage = shrinkage::needed(&self.storage, &self.scale, &self.mass, progress)?;
+        if shrinkage == 1.0 {
+            return Ok(self);
+        }
+        let Self { storage, scale, mut escape, mass, closure: before, .. } = self;
+        let storage = storage.shrunk(&scale, shrinkage);
+        shrinkage::shrink(escape.as_mut_slice(), shrinkage);
+        // Rows close as before but for rounding.
+        let start = DVector::repeat(mass.len(), 1.0);
+        let (scale, after) = balance::balance(&storage, &escape, mass.sums(), &start, progress)?;
+        escape.component_mul_assign(&scale);
+        let iterations = before.iterations + after.iterations;
+        let closure = Closure { iterations, after: after.after, ..before };
+        Ok(Self { storage, scale, escape, mass, closure, shrinkage })
     }
 
     /// The ideal sphere, S = A Aᵀ / ΣA: every point sees every area alike. Closed forms are known for all its answers.
@@ -76,7 +106,7 @@ impl Exchange {
         progress: Progress,
     ) -> Result<Self, Cancelled> {
         let Raw { storage, escape, is_lamp } = assemble(rows, patches, kind, left_out);
-        Self::new(storage, escape, DVector::from_row_slice(patches.areas()), &is_lamp, progress)
+        Self::new(storage, escape, Mass::new(rows.recipe.basis, patches.areas()), &is_lamp, progress)
     }
 
     /// What was balanced before.
@@ -84,10 +114,11 @@ impl Exchange {
         storage: Storage,
         scale: DVector<f64>,
         escape: DVector<f64>,
-        areas: DVector<f64>,
+        mass: Mass,
         closure: Closure,
+        shrinkage: f64,
     ) -> Self {
-        Self { storage, scale, escape, areas, closure }
+        Self { storage, scale, escape, mass, closure, shrinkage }
     }
 
     /// T and D.
@@ -95,37 +126,43 @@ impl Exchange {
         (&self.storage, &self.scale)
     }
 
-    /// Number of patches n.
+    /// Number of coefficients N: of patches, for constant elements.
     pub fn len(&self) -> usize {
-        self.areas.len()
+        self.mass.len()
     }
 
-    /// Whether there are no patches.
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.areas.is_empty()
+        self.mass.is_empty()
     }
 
-    /// Areas A_i: the mass of constant elements.
+    /// The mass M of the basis functions.
+    pub fn mass(&self) -> &Mass {
+        &self.mass
+    }
+
+    /// Which basis functions.
+    pub fn basis(&self) -> Basis {
+        self.mass.basis()
+    }
+
+    /// M·1, N values: areas A_i for constant elements, a third of them three times each for linear ones.
     pub fn areas(&self) -> &DVector<f64> {
-        &self.areas
+        self.mass.sums()
     }
 
     /// S_ij.
     pub fn exchange_area(&self, i: usize, j: usize) -> f64 {
-        let raw = match &self.storage {
-            Storage::Dense(m) => m[(i, j)],
-            Storage::Sparse(m) => m.get(i, j).copied().unwrap_or(0.0),
-        };
         // The product of the scales first, and it commutes: the same bits for (i, j) and (j, i).
-        (self.scale[i] * self.scale[j]) * raw as f64
+        (self.scale[i] * self.scale[j]) * self.storage.get(i, j)
     }
 
-    /// Form factor F_ij = S_ij / A_i.
+    /// S_ij / (M·1)_i, for constant elements the form factor F_ij = S_ij / A_i.
     pub fn form_factor(&self, i: usize, j: usize) -> f64 {
-        self.exchange_area(i, j) / self.areas[i]
+        self.exchange_area(i, j) / self.areas()[i]
     }
 
-    /// What escapes, S_i∞ = A_i F_i∞, n values.
+    /// What escapes, ∫ φ_i F_i∞ dA, N values; for constant elements S_i∞ = A_i F_i∞.
     pub fn escape(&self) -> &DVector<f64> {
         &self.escape
     }
@@ -135,11 +172,18 @@ impl Exchange {
         &self.closure
     }
 
+    /// By which factor τ, ½ to 1, what varies within patches had to be taken for a bounce not to add energy; 1 with enough rays,
+    /// and for constant elements.
+    pub fn shrinkage(&self) -> f64 {
+        self.shrinkage
+    }
+
     /// Bytes that the matrix takes.
     pub fn bytes(&self) -> u64 {
         match &self.storage {
             Storage::Dense(m) => 4 * m.len() as u64,
             Storage::Sparse(m) => 8 * m.nnz() as u64 + 8 * m.rows() as u64,
+            Storage::Blocks(m) => m.bytes(),
         }
     }
 
@@ -147,16 +191,16 @@ impl Exchange {
     pub fn storage_name(&self) -> &'static str {
         match self.storage {
             Storage::Dense(_) => "dense",
-            Storage::Sparse(_) => "sparse",
+            Storage::Sparse(_) | Storage::Blocks(_) => "sparse",
         }
     }
 
-    /// y ← S x for n × c matrices, overwriting y. The same bits whatever the number of threads.
+    /// y ← S x for N × c matrices, overwriting y. The same bits whatever the number of threads.
     ///
     /// # Panics
     /// If the shapes differ.
     pub fn apply(&self, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
-        assert!(x.nrows() == self.len() && x.shape() == y.shape(), "x and y are n × c");
+        assert!(x.nrows() == self.len() && x.shape() == y.shape(), "x and y are N × c");
         let mut scaled = x.clone();
         scaled.column_iter_mut().for_each(|mut column| column.component_mul_assign(&self.scale));
         self.storage.multiply(&scaled, y);
@@ -166,19 +210,19 @@ impl Exchange {
     /// Calls `f(j, S_ij)` for every entry of row i that is not zero.
     pub fn for_row(&self, i: usize, mut f: impl FnMut(usize, f64)) {
         let scale = self.scale[i];
-        self.storage.for_row(i, |j, raw| f(j, (scale * self.scale[j]) * raw as f64));
+        self.storage.for_row(i, |j, raw| f(j, (scale * self.scale[j]) * raw));
     }
 
-    /// The largest |S_ij − S_ji| / min(A_i, A_j), recomputed; 0 unless something is damaged.
+    /// The largest |S_ij − S_ji| relative to the lesser row sum M·1, recomputed; 0 unless something is damaged.
     pub fn reciprocity_error(&self) -> f64 {
         let error_of = |i: usize| {
             let mut most = 0.0f64;
             self.for_row(i, |j, s| {
-                let off = |other: f64| (s - other).abs() / self.areas[i].min(self.areas[j]);
+                let off = |other: f64| (s - other).abs() / self.areas()[i].min(self.areas()[j]);
                 // A dense row may be read as a column, which is the same only if all is well.
                 most = match &self.storage {
                     Storage::Dense(_) => most.max(off(self.exchange_area(i, j))),
-                    Storage::Sparse(_) => most.max(off(self.exchange_area(j, i))),
+                    Storage::Sparse(_) | Storage::Blocks(_) => most.max(off(self.exchange_area(j, i))),
                 };
             });
             most
@@ -186,11 +230,12 @@ impl Exchange {
         (0..self.len()).into_par_iter().map(error_of).reduce(|| 0.0, f64::max)
     }
 
-    /// The largest |D_i (T D)_i + S_i∞ − A_i| / A_i, recomputed.
+    /// The largest |D_i (T D)_i + S_i∞ − (M·1)_i| / (M·1)_i, recomputed.
     pub fn closure_error(&self) -> f64 {
         let n = self.len();
         let mut sums = DMatrix::zeros(n, 1);
         self.apply(&DMatrix::repeat(n, 1, 1.0), &mut sums);
-        (0..n).map(|i| (sums[i] + self.escape[i] - self.areas[i]).abs() / self.areas[i]).fold(0.0, f64::max)
+        let areas = self.areas();
+        (0..n).map(|i| (sums[i] + self.escape[i] - areas[i]).abs() / areas[i]).fold(0.0, f64::max)
     }
 }

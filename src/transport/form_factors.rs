@@ -1,11 +1,12 @@
 //! Form factors: F_ij, the fraction of what patch i sends out that lands on patch j.
 
 use super::TransportError;
+use super::blocks::Blocks;
 use super::exchange::Exchange;
 use super::rays::Rows;
 use super::recipe::{BATCHES, RayCount, Recipe};
 use super::storage::StorageKind;
-use crate::patches::Patches;
+use crate::patches::{Basis, Patches};
 use crate::progress::Progress;
 use crate::trace::{Tracer, sampling};
 
@@ -15,7 +16,7 @@ pub enum Keep {
     /// Nothing.
     #[default]
     Nothing,
-    /// All: 4 bytes a ray, for standard errors and for saving.
+    /// All: 4 bytes a ray (6 for linear elements), for standard errors and for saving.
     Rays,
 }
 
@@ -30,6 +31,9 @@ pub struct TraceOptions<'a> {
     pub lamp_rays: Option<u32>,
     /// Number of the random sequence. The same seed gives the same bits.
     pub seed: u64,
+    /// How light varies over a patch. Linear elements take the same rays, thrice the unknowns, and two to four times the bytes
+    /// and the time per pass of constant ones.
+    pub basis: Basis,
     /// How to store exchange areas.
     pub storage: StorageKind,
     /// The most bytes the exchange areas may take.
@@ -41,12 +45,13 @@ pub struct TraceOptions<'a> {
 }
 
 impl Default for TraceOptions<'_> {
-    /// The usual rays, the smaller storage, 4 GiB.
+    /// The usual rays, constant elements, the smaller storage, 4 GiB.
     fn default() -> Self {
         Self {
             rays: None,
             lamp_rays: None,
             seed: 0,
+            basis: Basis::Constant,
             storage: StorageKind::Auto,
             memory: 4 << 30,
             keep: Keep::Nothing,
@@ -73,15 +78,25 @@ impl TraceOptions<'_> {
             return Err(TransportError::Rays { rays, most });
         }
         let (n, rays) = (patches as u64, rays as u64);
-        // Landings, 4 bytes each twice over while they are sorted; at most two entries of 8 bytes a landing while a
-        // sparse matrix is put together.
-        let (dense, sparse) = (4 * n * n, 16 * n * rays.min(n));
-        let matrix = match self.storage {
-            StorageKind::Dense => dense,
-            StorageKind::Sparse => sparse,
-            StorageKind::Auto => dense.min(sparse),
+        let (matrix, per_ray) = match self.basis {
+            // Landings, 4 bytes each twice over while they are sorted; at most two entries of 8 bytes a landing while a
+            // sparse matrix is put together.
+            Basis::Constant => {
+                let (dense, sparse) = (4 * n * n, 16 * n * rays.min(n));
+                let matrix = match self.storage {
+                    StorageKind::Dense => dense,
+                    StorageKind::Sparse => sparse,
+                    StorageKind::Auto => dense.min(sparse),
+                };
+                (matrix, 8)
+            }
+            // A full matrix is made from blocks.
+            Basis::Linear => {
+                let dense = if self.storage == StorageKind::Dense { 36 * n * n } else { 0 };
+                (Blocks::bytes_for(n, rays) + dense, 8)
+            }
         };
-        let needed = matrix + 8 * n * rays;
+        let needed = matrix + per_ray * n * rays;
         if needed > self.memory {
             return Err(TransportError::Memory { patches, needed, limit: self.memory });
         }
@@ -121,13 +136,18 @@ impl FormFactors {
         options.check(patches.len())?;
         let rays = options.rays.unwrap_or(TraceOptions::usual_rays(patches.len())).next_multiple_of(BATCHES);
         options.progress.at("trace", 0.0)?;
-        let recipe =
-            Recipe { count: RayCount { rays, lamp_rays: options.lamp_rays_for(rays) }, seed: options.seed };
+        let count = RayCount { rays, lamp_rays: options.lamp_rays_for(rays) };
+        let recipe = Recipe { count, seed: options.seed, basis: options.basis };
         let rows = Rows::trace(tracer, patches, recipe, options.progress)?;
         options.progress.at("balance", 0.0)?;
         let exchange = Exchange::from_rows(&rows, patches, options.storage, None, options.progress)?;
         let rows = (options.keep == Keep::Rays).then_some(rows);
         Ok(Self { exchange, rays, rows })
+    }
+
+    /// How light varies over a patch.
+    pub fn basis(&self) -> Basis {
+        self.exchange.basis()
     }
 
     /// Symmetric exchange areas S_ij = A_i F_ij, normalised frame.
@@ -152,7 +172,7 @@ impl FormFactors {
 
     /// Number of patches n.
     pub fn len(&self) -> usize {
-        self.exchange.len()
+        self.exchange.len() / self.basis().coefficients()
     }
 
     /// Whether there are no patches.

@@ -46,7 +46,11 @@ impl FormFactors {
     ) -> Result<Vec<GroupFactor>, TransportError> {
         assert_eq!(group_of.len(), self.len(), "one group per patch");
         let rows = self.rows().ok_or(TransportError::NoRays)?;
-        let all = sums(self.exchange(), group_of);
+        // A coefficient belongs where its patch does.
+        let each = self.basis().coefficients();
+        let group_of: Vec<usize> =
+            group_of.iter().flat_map(|&group| std::iter::repeat_n(group, each)).collect();
+        let all = sums(self.exchange(), &group_of);
         let mut without: Vec<Sums> = Vec::new();
         for batch in 0..BATCHES {
             progress.at("errors", batch as f64 / BATCHES as f64)?;
@@ -55,7 +59,7 @@ impl FormFactors {
                 _ => StorageKind::Sparse,
             };
             let exchange = Exchange::from_rows(rows, patches, kind, Some(batch), Progress::default())?;
-            without.push(sums(&exchange, group_of));
+            without.push(sums(&exchange, &group_of));
         }
         progress.at("errors", 1.0)?;
         let groups = all.len();
@@ -82,7 +86,7 @@ impl FormFactors {
 fn sums(exchange: &Exchange, group_of: &[usize]) -> Sums {
     let groups = group_of.iter().max().map_or(0, |last| last + 1);
     let mut members: Vec<Vec<usize>> = vec![Vec::new(); groups];
-    group_of.iter().enumerate().for_each(|(patch, &group)| members[group].push(patch));
+    group_of.iter().enumerate().for_each(|(i, &group)| members[group].push(i));
     let sum_of = |members: &Vec<usize>| {
         let mut to: Vec<(usize, f64)> = Vec::new();
         for &i in members {

@@ -13,10 +13,11 @@
 //! Rays find lamps too, each hit worth 1/N. The two estimates are averaged with weights that are inverse to their variances, as
 //! far as these can be told beforehand: F/N for rays, F²(1 + κ)/4M for light sampling, with κ the relative variance of the weights.
 
-use crate::patches::{Facet, Patches};
+use crate::patches::{Basis, Facet, Patches};
 use crate::scene::Side;
-use crate::trace::{Lamps, Tracer, geometry_term, sampling::Sequence};
+use crate::trace::{Lamps, Tracer, geometry_term, sampling, sampling::Sequence};
 
+use super::landing::Spot;
 use super::recipe::{BATCHES, Recipe};
 
 /// Where streams of random sequences for pairs, and for points under Lambert's formula, start.
@@ -38,24 +39,34 @@ pub(super) struct LampShare {
     pub share: f32,
 }
 
+/// A ray or pair that shows a lamp.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    /// The lamp patch's slot.
+    pub slot: u32,
+    pub batch: u32,
+    /// Where on the receiver and on the lamp patch it ends; of no account for constant elements.
+    pub ends: [Spot; 2],
+}
+
 /// A pair whose points face each other.
 struct Pair {
-    slot: u32,
-    batch: u32,
+    seen: Seen,
     /// g/p.
     weight: f64,
     visible: bool,
 }
 
-/// The form factors from the facet of `slot` to lamps. `hits` are the slots of lamps on which its rays landed, with the batch.
-pub(super) fn lamp_shares(
+/// The form factors from the facet of `slot` to lamps, whole and by pairs of basis functions where there is more than one a patch.
+/// `hits` are the rays that landed on lamps.
+pub(super) fn look_at_lamps(
     tracer: &Tracer,
     patches: &Patches,
     lamps: &Lamps,
     (slot, facet): (u32, Facet),
-    hits: impl Iterator<Item = (u32, u32)>,
-    Recipe { count, seed }: Recipe,
-) -> Vec<LampShare> {
+    hits: impl Iterator<Item = Seen>,
+    Recipe { count, seed, basis }: Recipe,
+) -> (Vec<LampShare>, Vec<[f32; 9]>) {
     let share = (lamps.len() / LAMPS_AT_FULL).max(1);
     let points = (count.lamp_rays as usize / PAIRS_PER_POINT / share).max(FEWEST_POINTS) as u32;
     let (sequence, stretch) = Sequence::stretch(seed, POINT_STREAM, slot, 0, points);
@@ -83,7 +94,14 @@ pub(super) fn lamp_shares(
             squares += weight * weight;
             let slot = patches.slot_at(to.face as usize, Side::Front, to.barycentrics);
             let visible = tracer.unoccluded((from, facet.face), (to.point, to.face));
-            pairs.push(Pair { slot, batch, weight, visible });
+            let ends = match basis {
+                Basis::Constant => [Spot::default(); 2],
+                Basis::Linear => {
+                    [sampling::uniform_triangle([s, t]), patches.weights_in(slot, to.barycentrics)]
+                        .map(Spot::at)
+                }
+            };
+            pairs.push(Pair { seen: Seen { slot, batch, ends }, weight, visible });
         }
     }
     // Scale the pairs to the unoccluded light, where that is known.
@@ -96,10 +114,10 @@ pub(super) fn lamp_shares(
     let by_rays = whole / n;
     let by_pairs = if sum > 0.0 { 0.25 * whole * whole * squares / (sum * sum) } else { 1.0 };
     let trust = if sum > 0.0 { by_rays / (by_rays + by_pairs) } else { 0.0 };
-    let worth = |p: &Pair| trust * scales[p.batch as usize] * p.weight / m;
-    let from_pairs = pairs.iter().filter(|p| p.visible).map(|p| (p.slot, p.batch, worth(p)));
-    let from_rays = hits.map(|(slot, batch)| (slot, batch, (1.0 - trust) / n));
-    merge(from_pairs.chain(from_rays))
+    let worth = |p: &Pair| trust * scales[p.seen.batch as usize] * p.weight / m;
+    let from_pairs = pairs.iter().filter(|p| p.visible).map(|p| (p.seen, worth(p)));
+    let from_rays = hits.map(|seen| (seen, (1.0 - trust) / n));
+    merge(from_pairs.chain(from_rays), basis)
 }
 
 /// By what the pairs of each batch are multiplied, so that those of all batches together weigh `whole` and visible ones among
@@ -122,11 +140,31 @@ fn batch_scales(whole: f64, weights: &[f64; BATCHES as usize]) -> [f64; BATCHES 
     }
 }
 
-/// Adds up shares of the same batch and lamp patch; batch after batch.
-fn merge(parts: impl Iterator<Item = (u32, u32, f64)>) -> Vec<LampShare> {
+/// Adds up what is worth so much of the same batch and lamp patch; batch after batch.
+fn merge(parts: impl Iterator<Item = (Seen, f64)>, basis: Basis) -> (Vec<LampShare>, Vec<[f32; 9]>) {
     let mut parts: Vec<_> = parts.collect();
-    parts.sort_by_key(|&(slot, batch, _)| (batch, slot));
-    let same = |a: &(u32, u32, f64), b: &(u32, u32, f64)| (a.0, a.1) == (b.0, b.1);
-    let sum = |run: &[(u32, u32, f64)]| run.iter().map(|part| part.2).sum::<f64>() as f32;
-    parts.chunk_by(same).map(|run| LampShare { slot: run[0].0, batch: run[0].1, share: sum(run) }).collect()
+    parts.sort_by_key(|(seen, _)| (seen.batch, seen.slot));
+    let same = |(a, _): &(Seen, f64), (b, _): &(Seen, f64)| (a.slot, a.batch) == (b.slot, b.batch);
+    let share = |run: &[(Seen, f64)]| {
+        let share = run.iter().map(|part| part.1).sum::<f64>() as f32;
+        LampShare { slot: run[0].0.slot, batch: run[0].0.batch, share }
+    };
+    let shares = parts.chunk_by(same).map(share).collect();
+    let moments = match basis {
+        Basis::Constant => Vec::new(),
+        Basis::Linear => parts.chunk_by(same).map(moments).collect(),
+    };
+    (shares, moments)
+}
+
+/// Σ w φ_a φ_b with a on the receiver and b on the lamp patch, at 3a + b.
+fn moments(run: &[(Seen, f64)]) -> [f32; 9] {
+    let mut sums = [0.0; 9];
+    for (seen, worth) in run {
+        let [here, there] = seen.ends.map(Spot::weights);
+        sums.iter_mut()
+            .enumerate()
+            .for_each(|(entry, sum)| *sum += worth * here[entry / 3] * there[entry % 3]);
+    }
+    sums.map(|sum| sum as f32)
 }

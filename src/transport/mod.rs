@@ -6,23 +6,32 @@
 
 mod assembly;
 mod balance;
+mod blocks;
 mod exchange;
 mod form_factors;
 mod groups;
 mod lamp_columns;
+mod lanczos;
+mod landing;
+mod mass;
+mod moments;
 mod operator;
 mod plan;
 mod rays;
 mod recipe;
 mod saved;
 mod sections;
+mod shrinkage;
 mod solvable;
 mod storage;
 
 pub use balance::Closure;
+pub use blocks::Blocks;
 pub use exchange::Exchange;
 pub use form_factors::{FormFactors, Keep, TraceOptions};
 pub use groups::GroupFactor;
+pub(crate) use lanczos::{ends_of_spectrum, uneven};
+pub use mass::Mass;
 pub use operator::Transport;
 pub use plan::{Effect, Plan};
 pub use saved::Reuse;

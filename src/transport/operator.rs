@@ -2,17 +2,20 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::exchange::Exchange;
+use super::mass::Mass;
 use super::{FormFactors, TransportError, solvable};
-use crate::patches::Patches;
+use crate::patches::{Basis, Patches};
 
 /// The transport operator K: form factors with a reflectance for every patch and channel.
+///
+/// It acts on coefficients, N × c: N is the number of patches n, or 3n for linear elements, where F stands for M⁻¹S.
 #[derive(Clone, Debug)]
 pub struct Transport<'f> {
     exchange: &'f Exchange,
-    /// ρ, n × c.
+    /// ρ, N × c.
     reflectance: DMatrix<f64>,
 }
 
@@ -45,8 +48,10 @@ impl<'f> Transport<'f> {
         assert_eq!(reflectance.nrows(), factors.len(), "one row per patch");
         assert!(reflectance.iter().all(|r| (0.0..=1.0).contains(r)), "reflectances lie between 0 and 1");
         let exchange = factors.exchange();
+        let each = exchange.basis().coefficients();
+        let reflectance = exchange.basis().coefficients_of(&reflectance);
         if let Some(trapped) = solvable::trapped(exchange, &reflectance) {
-            let mut materials: Vec<String> = trapped.into_iter().map(name).collect();
+            let mut materials: Vec<String> = trapped.into_iter().map(|i| name(i / each)).collect();
             materials.sort();
             materials.dedup();
             return Err(TransportError::Unsolvable { materials });
@@ -54,7 +59,7 @@ impl<'f> Transport<'f> {
         Ok(Self { exchange, reflectance })
     }
 
-    /// Number of unknowns n.
+    /// Number of unknowns N.
     pub fn len(&self) -> usize {
         self.exchange.len()
     }
@@ -74,37 +79,41 @@ impl<'f> Transport<'f> {
         self.exchange
     }
 
-    /// Areas A, the mass of constant elements, normalised frame.
-    pub fn mass(&self) -> &DVector<f64> {
-        self.exchange.areas()
+    /// The mass M of the basis functions, normalised frame.
+    pub fn mass(&self) -> &Mass {
+        self.exchange.mass()
     }
 
-    /// Reflectances ρ, n × c.
+    /// How light varies over a patch.
+    pub fn basis(&self) -> Basis {
+        self.exchange.basis()
+    }
+
+    /// Reflectances ρ, N × c.
     pub fn reflectance(&self) -> &DMatrix<f64> {
         &self.reflectance
     }
 
-    /// Irradiance H = π F L of radiance L, n × c, W·m⁻².
+    /// Irradiance H = π M⁻¹ S L of radiance L, N × c, W·m⁻².
     pub fn irradiance(&self, radiance: &DMatrix<f64>) -> DMatrix<f64> {
         let mut irradiance = DMatrix::zeros(self.len(), self.channels());
         self.exchange.apply(radiance, &mut irradiance);
-        for mut column in irradiance.column_iter_mut() {
-            column.zip_apply(self.mass(), |h, area| *h *= PI / area);
-        }
+        self.mass().solve(&mut irradiance, PI);
         irradiance
     }
 
-    /// Reflected radiance ρ H / π of irradiance H, n × c: the one place where surfaces turn what arrives into what leaves.
+    /// Reflected radiance ρ H / π of irradiance H, N × c: the one place where surfaces turn what arrives into what leaves.
     pub fn reflect(&self, irradiance: &DMatrix<f64>) -> DMatrix<f64> {
         irradiance.zip_map(&self.reflectance, |h, rho| rho * h / PI)
     }
 
-    /// y ← K x, overwriting y; n × c.
+    /// y ← K x, overwriting y; N × c.
     pub fn apply(&self, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
         y.copy_from(&self.reflect(&self.irradiance(x)));
     }
 
-    /// ‖K‖∞ per channel: the largest share of what arrives anywhere that goes on.
+    /// The largest entry of K·1 per channel: the largest share of what arrives anywhere, from all sides alike, that goes on. For
+    /// constant elements K ≥ 0, and this is ‖K‖∞.
     pub fn norm(&self) -> Vec<f64> {
         let mut sums = DMatrix::zeros(self.len(), self.channels());
         self.apply(&DMatrix::repeat(self.len(), self.channels(), 1.0), &mut sums);

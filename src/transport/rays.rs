@@ -7,12 +7,13 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::lamp_columns::{LampShare, lamp_shares};
+use super::lamp_columns::{LampShare, Seen, look_at_lamps};
+use super::landing::Spot;
 use super::recipe::{BATCHES, Recipe};
-use crate::patches::Patches;
+use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
-use crate::trace::{Lamps, Tracer, sampling::Sequence};
+use crate::trace::{Lamps, Tracer, sampling, sampling::Sequence};
 
 /// A landing outside of the scene.
 pub(super) const AWAY: u32 = u32::MAX;
@@ -49,8 +50,12 @@ pub(super) struct Row {
     pub slot: u32,
     /// The slots on which its rays landed, batch after batch; [`AWAY`] for those that left the scene.
     pub landings: Vec<u32>,
+    /// Where in these slots they landed; nothing for constant elements.
+    pub spots: Vec<Spot>,
     /// What is known of its form factors to lamps. Lamps themselves know only their rays.
     pub lamp_shares: Vec<LampShare>,
+    /// Each share once more, split by pairs of basis functions, first the receiver's; nothing for constant elements.
+    pub lamp_moments: Vec<[f32; 9]>,
 }
 
 /// The rows of all slots that are or were patches, by slot.
@@ -147,33 +152,56 @@ impl Rows {
 fn trace_row(tracer: &Tracer, patches: &Patches, goals: &Goals, slot: u32, recipe: Recipe) -> Row {
     let facet = patches.facet(tracer, slot);
     let mut landings = Vec::with_capacity(recipe.count.rays as usize);
-    for batch in 0..BATCHES {
-        let count = recipe.count.rays / BATCHES;
-        let (sequence, points) = Sequence::stretch(recipe.seed, STREAM, slot, batch as u64, count);
+    let mut spots = Vec::new();
+    for (sequence, points) in stretches(slot, recipe) {
         for ray in facet.rays(sequence, points) {
-            landings.push(match tracer.closest_hit(&ray) {
-                Some(hit) => patches.slot_at(hit.face as usize, hit.side, hit.barycentrics),
-                None => AWAY,
-            });
+            let hit = tracer.closest_hit(&ray);
+            let landing = hit.map(|hit| patches.slot_at(hit.face as usize, hit.side, hit.barycentrics));
+            if recipe.basis == Basis::Linear {
+                let there = landing.zip(hit).map(|(slot, hit)| patches.weights_in(slot, hit.barycentrics));
+                spots.push(there.map_or_else(Spot::default, Spot::at));
+            }
+            landings.push(landing.unwrap_or(AWAY));
         }
     }
-    let mut row = Row { slot, landings, lamp_shares: Vec::new() };
+    let mut row = Row { slot, landings, spots, lamp_shares: Vec::new(), lamp_moments: Vec::new() };
     look_for_lamps(tracer, patches, goals, &mut row, recipe);
     row
 }
 
+/// The stretches of random sequences by which a slot sends its rays, one a batch.
+fn stretches(slot: u32, Recipe { count, seed, .. }: Recipe) -> impl Iterator<Item = (Sequence, Range<u32>)> {
+    let batches = 0..u64::from(BATCHES);
+    batches.map(move |batch| Sequence::stretch(seed, STREAM, slot, batch, count.rays / BATCHES))
+}
+
+/// Where in their slot its rays start, in the order of its landings.
+pub(super) fn origins(slot: u32, recipe: Recipe) -> impl Iterator<Item = Spot> {
+    let points = stretches(slot, recipe).flat_map(|(sequence, range)| range.map(move |k| sequence.point(k)));
+    points.map(|[s, t, ..]| Spot::at(sampling::uniform_triangle([s, t])))
+}
+
 /// Fills in what a row knows of lamps.
 fn look_for_lamps(tracer: &Tracer, patches: &Patches, goals: &Goals, row: &mut Row, recipe: Recipe) {
-    row.lamp_shares = if goals.slots.is_empty() || goals.contain(row.slot) {
-        Vec::new()
+    (row.lamp_shares, row.lamp_moments) = if goals.slots.is_empty() || goals.contain(row.slot) {
+        (Vec::new(), Vec::new())
     } else {
+        let on_lamps = |&(_, slot): &(usize, &u32)| *slot != AWAY && goals.contain(*slot);
         let batch_size = (recipe.count.rays / BATCHES) as usize;
-        let batches = row.landings.chunks(batch_size).zip(0..);
-        let hits =
-            batches.flat_map(|(landings, batch)| landings.iter().map(move |&landing| (landing, batch)));
-        let hits = hits.filter(|&(landing, _)| landing != AWAY && goals.contain(landing));
+        let seen = |(k, &slot): (usize, &u32)| Seen {
+            slot,
+            batch: (k / batch_size) as u32,
+            ends: [Spot::default(); 2],
+        };
+        let mut hits: Vec<(usize, Seen)> =
+            row.landings.iter().enumerate().filter(on_lamps).map(|hit| (hit.0, seen(hit))).collect();
+        if recipe.basis == Basis::Linear {
+            let origins: Vec<Spot> = origins(row.slot, recipe).collect();
+            hits.iter_mut().for_each(|(k, seen)| seen.ends = [origins[*k], row.spots[*k]]);
+        }
         let facet = patches.facet(tracer, row.slot);
-        lamp_shares(tracer, patches, &goals.lamps, (row.slot, facet), hits, recipe)
+        let hits = hits.into_iter().map(|(_, seen)| seen);
+        look_at_lamps(tracer, patches, &goals.lamps, (row.slot, facet), hits, recipe)
     };
 }
 

@@ -1,5 +1,7 @@
 //! Recipe: how many rays of each kind a patch sends, and by which random sequences.
 
+use crate::patches::Basis;
+
 /// Independent scramblings per row, by whose spread the noise of form factors is measured.
 pub(super) const BATCHES: u32 = 8;
 
@@ -10,9 +12,10 @@ pub(super) struct RayCount {
     pub lamp_rays: u32,
 }
 
-/// How rows are traced.
+/// How rows are traced, and for which elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Recipe {
     pub count: RayCount,
     pub seed: u64,
+    pub basis: Basis,
 }

@@ -11,14 +11,17 @@ use nalgebra::{DMatrix, DVector};
 use sprs::CsMatI;
 use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
+use super::blocks::Blocks;
 use super::exchange::Exchange;
 use super::lamp_columns::LampShare;
+use super::landing::Spot;
+use super::mass::Mass;
 use super::rays::{Row, Rows};
 use super::recipe::{RayCount, Recipe};
 use super::sections::{Content, FactorsFileError, Section, VERSION, ends_with_section, read_section};
 use super::storage::Storage;
 use super::{Closure, FormFactors, Keep, StorageKind, TransportError};
-use crate::patches::{Patches, Tessellation};
+use crate::patches::{Basis, Patches, Tessellation};
 use crate::scene::{FaceState, Scene};
 use crate::trace::{Lamps, Tracer};
 
@@ -50,6 +53,7 @@ impl FormFactors {
         section.one(patches.normalised_edge());
         section.one(rows.recipe.seed);
         section.some(&[rows.recipe.count.rays, rows.recipe.count.lamp_rays]);
+        section.one(rows.recipe.basis.coefficients() as u32);
         section.list(&rows.lamp_faces);
         section.one(rows.all().len() as u64);
         section.list(&(0..patches.len()).map(|i| patches.slot_of_patch(i)).collect::<Vec<_>>());
@@ -65,18 +69,22 @@ impl FormFactors {
                 section.list(m.indices());
                 section.list(m.data());
             }
+            Storage::Blocks(m) => {
+                section.one(BLOCKS);
+                m.write(&mut section);
+            }
         }
         section.some(scale.as_slice());
         section.some(self.exchange().escape().as_slice());
         let Closure { before, after, iterations } = *self.exchange().closure();
-        section.some(&[before, after]);
+        section.some(&[before, after, self.exchange().shrinkage()]);
         section.one(iterations as u64);
         section.write(to)?;
         rows_section(rows).write(to)
     }
 
     /// Reads form factors of a scene whose lamps, powers and reflectances may have changed since, and traces what is missing: rows of
-    /// sides that light newly reaches, columns of lamps that are newly lit. Cut, rays and seed are the file's.
+    /// sides that light newly reaches, columns of lamps that are newly lit. Cut, rays, basis and seed are the file's.
     ///
     /// # Errors
     /// `File`, and those of [`FormFactors::trace`].
@@ -103,8 +111,9 @@ impl FormFactors {
         let lamps = Lamps::of_interest(tracer, lamp_rays);
         if same_light && lamps.faces().eq(saved.lamp_faces.iter().copied()) {
             let rows = (keep == Keep::Rays).then(|| saved.read_rows(file)).transpose()?;
-            let areas = DVector::from_row_slice(patches.areas());
-            let exchange = Exchange::from_raw(saved.storage, saved.scale, saved.escape, areas, saved.closure);
+            let mass = Mass::new(saved.recipe.basis, patches.areas());
+            let Saved { storage, scale, escape, closure, shrinkage, .. } = saved;
+            let exchange = Exchange::from_raw(storage, scale, escape, mass, closure, shrinkage);
             let reuse = Reuse { traced: 0, held, balanced: true };
             return Ok((patches, Self::from_parts(exchange, per_patch, rows), reuse));
         }
@@ -121,6 +130,7 @@ impl FormFactors {
 
 const DENSE: u32 = 0;
 const SPARSE: u32 = 1;
+const BLOCKS: u32 = 2;
 
 /// The rows, one property after another.
 fn rows_section(rows: &Rows) -> Section {
@@ -130,8 +140,10 @@ fn rows_section(rows: &Rows) -> Section {
     section.some(&all.iter().map(|row| row.lamp_shares.len() as u32).collect::<Vec<_>>());
     for row in all {
         section.some(&row.landings);
+        section.some(&row.spots);
         section.some(&row.lamp_shares.iter().map(|share| [share.slot, share.batch]).collect::<Vec<_>>());
         section.some(&row.lamp_shares.iter().map(|share| share.share).collect::<Vec<_>>());
+        section.some(&row.lamp_moments);
     }
     section
 }
@@ -149,6 +161,7 @@ struct Saved {
     scale: DVector<f64>,
     escape: DVector<f64>,
     closure: Closure,
+    shrinkage: f64,
 }
 
 impl Saved {
@@ -174,26 +187,37 @@ impl Saved {
         let edge = from.one()?;
         let seed = from.one()?;
         let count = RayCount { rays: from.one()?, lamp_rays: from.one()? };
+        let basis = match from.one::<u32>()? {
+            1 => Basis::Constant,
+            3 => Basis::Linear,
+            _ => return Err(Damaged),
+        };
         let lamp_faces = from.list()?;
         let held = from.one::<u64>()? as usize;
         let slots = from.list::<u32>()?;
-        let n = slots.len();
-        let storage = if from.one::<u32>()? == DENSE {
-            let values = from.list::<f32>()?;
-            if values.len() != n * n {
-                return Err(Damaged);
+        let n = basis.coefficients() * slots.len();
+        let storage = match from.one::<u32>()? {
+            DENSE => {
+                let values = from.list::<f32>()?;
+                if values.len() != n * n {
+                    return Err(Damaged);
+                }
+                Storage::Dense(DMatrix::from_vec(n, n, values))
             }
-            Storage::Dense(DMatrix::from_vec(n, n, values))
-        } else {
-            let starts = from.list::<u64>()?.into_iter().map(|start| start as usize).collect();
-            let (indices, values) = (from.list::<u32>()?, from.list::<f32>()?);
-            Storage::Sparse(CsMatI::try_new((n, n), starts, indices, values).map_err(|_| Damaged)?)
+            SPARSE => {
+                let starts = from.list::<u64>()?.into_iter().map(|start| start as usize).collect();
+                let (indices, values) = (from.list::<u32>()?, from.list::<f32>()?);
+                Storage::Sparse(CsMatI::try_new((n, n), starts, indices, values).map_err(|_| Damaged)?)
+            }
+            BLOCKS if basis == Basis::Linear => Storage::Blocks(Blocks::read(&mut from, slots.len())?),
+            _ => return Err(Damaged),
         };
         let (scale, escape) = (DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?));
-        let (before, after, iterations) = (from.one()?, from.one()?, from.one::<u64>()? as usize);
+        let (before, after, shrinkage) = (from.one()?, from.one()?, from.one()?);
+        let iterations = from.one::<u64>()? as usize;
         let closure = Closure { before, after, iterations };
-        let recipe = Recipe { count, seed };
-        Ok(Self { light, edge, recipe, lamp_faces, held, slots, storage, scale, escape, closure })
+        let recipe = Recipe { count, seed, basis };
+        Ok(Self { light, edge, recipe, lamp_faces, held, slots, storage, scale, escape, closure, shrinkage })
     }
 
     /// Reads the second section.
@@ -204,11 +228,16 @@ impl Saved {
         let shares = from.some::<u32>(self.held)?;
         let mut rows = Vec::with_capacity(self.held);
         for (slot, shares) in slots.into_iter().zip(shares) {
-            let landings = from.some(self.recipe.count.rays as usize)?;
-            let keys = from.some::<[u32; 2]>(shares as usize)?;
-            let values = from.some::<f32>(shares as usize)?;
+            let (rays, shares) = (self.recipe.count.rays as usize, shares as usize);
+            let landings = from.some(rays)?;
+            let more = |count: usize| if self.recipe.basis == Basis::Linear { count } else { 0 };
+            let spots = from.some::<Spot>(more(rays))?;
+            let keys = from.some::<[u32; 2]>(shares)?;
+            let values = from.some::<f32>(shares)?;
             let share = |([slot, batch], share): ([u32; 2], f32)| LampShare { slot, batch, share };
-            rows.push(Row { slot, landings, lamp_shares: keys.into_iter().zip(values).map(share).collect() });
+            let lamp_shares = keys.into_iter().zip(values).map(share).collect();
+            let lamp_moments = from.some(more(shares))?;
+            rows.push(Row { slot, landings, spots, lamp_shares, lamp_moments });
         }
         Ok(Rows::new(self.recipe, self.lamp_faces.clone(), rows))
     }

@@ -1,16 +1,20 @@
-//! Storage: a symmetric n × n matrix of non-negative f32, dense or sparse, and its product with vectors.
+//! Storage: a symmetric N × N matrix of non-negative numbers, dense or sparse, and its product with vectors.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sprs::CsMatI;
 
-/// A symmetric n × n matrix of non-negative f32.
+use super::blocks::{Blocks, shrunk_block};
+
+/// A symmetric N × N matrix of non-negative numbers.
 #[derive(Clone, Debug)]
 pub enum Storage {
     /// Every entry.
     Dense(DMatrix<f32>),
     /// The entries that are not zero, by rows; both triangles.
     Sparse(CsMatI<f32, u32, usize>),
+    /// By pairs of patches, for linear elements.
+    Blocks(Blocks),
 }
 
 /// How to store exchange areas.
@@ -19,9 +23,10 @@ pub enum StorageKind {
     /// Whichever is smaller.
     #[default]
     Auto,
-    /// A full matrix: 4 n² bytes.
+    /// A full matrix: 4 N² bytes.
     Dense,
-    /// Compressed rows: 8 bytes an entry.
+    /// What is not zero: 8 bytes an entry; for linear elements 8 bytes a ray and 40 bytes a pair of patches with several rays,
+    /// all of it twice.
     Sparse,
 }
 
@@ -32,6 +37,17 @@ impl Storage {
             Storage::Dense(m) => multiply_dense(m, x, y),
             Storage::Sparse(m) if x.ncols() == 1 => multiply_sparse::<1>(m, x, y),
             Storage::Sparse(m) => multiply_sparse::<4>(m, x, y),
+            Storage::Blocks(m) if x.ncols() == 1 => m.multiply::<1>(x, y),
+            Storage::Blocks(m) => m.multiply::<4>(x, y),
+        }
+    }
+
+    /// T_ij.
+    pub(super) fn get(&self, i: usize, j: usize) -> f64 {
+        match self {
+            Storage::Dense(m) => f64::from(m[(i, j)]),
+            Storage::Sparse(m) => m.get(i, j).map_or(0.0, |&value| f64::from(value)),
+            Storage::Blocks(m) => m.get(i, j),
         }
     }
 
@@ -42,7 +58,7 @@ impl Storage {
         y.column(0).into_owned()
     }
 
-    /// Multiplies every entry by `factor(i, j)`, which must be symmetric.
+    /// Multiplies every entry by `factor(i, j)`, which must be symmetric, and 1 between what are no lamps.
     pub(super) fn scale_entries(&mut self, factor: impl Fn(usize, usize) -> f64 + Sync) {
         let scaled = |value: f32, i: usize, j: usize| (f64::from(value) * factor(i, j)) as f32;
         match self {
@@ -58,20 +74,51 @@ impl Storage {
                     row.iter_mut().for_each(|(j, value)| *value = scaled(*value, i, j));
                 }
             }
+            Storage::Blocks(m) => m.scale_blocks(factor),
+        }
+    }
+
+    /// T_τ D T D T_τ with T_τ the shrinkage of each patch's three coefficients by τ.
+    pub(super) fn shrunk(self, scale: &DVector<f64>, tau: f64) -> Self {
+        match self {
+            Storage::Blocks(m) => Storage::Blocks(m.shrunk(scale, tau)),
+            Storage::Dense(m) => Storage::Dense(shrunk_dense(m, scale, tau)),
+            // Compressed rows are for constant elements, of which nothing varies.
+            sparse @ Storage::Sparse(_) => sparse,
         }
     }
 
     /// Calls `f(j, T_ij)` for every entry of row i that is not zero.
-    pub(super) fn for_row(&self, i: usize, mut f: impl FnMut(usize, f32)) {
+    pub(super) fn for_row(&self, i: usize, mut f: impl FnMut(usize, f64)) {
         match self {
             Storage::Dense(m) => {
-                m.column(i).iter().enumerate().filter(|(_, v)| **v != 0.0).for_each(|(j, &v)| f(j, v))
+                let entries = m.column(i).into_iter().enumerate();
+                entries.filter(|(_, v)| **v != 0.0).for_each(|(j, &v)| f(j, f64::from(v)));
             }
             Storage::Sparse(m) => {
-                m.outer_view(i).iter().for_each(|row| row.iter().for_each(|(j, &v)| f(j, v)));
+                m.outer_view(i).iter().for_each(|row| row.iter().for_each(|(j, &v)| f(j, f64::from(v))));
+            }
+            Storage::Blocks(m) => m.for_row(i, f),
+        }
+    }
+}
+
+fn shrunk_dense(mut m: DMatrix<f32>, scale: &DVector<f64>, tau: f64) -> DMatrix<f32> {
+    for first in (0..m.ncols()).step_by(3) {
+        for second in (first..m.ncols()).step_by(3) {
+            let at = |entry: usize| (first + entry / 3, second + entry % 3);
+            let block = std::array::from_fn(|entry| {
+                let (k, l) = at(entry);
+                (scale[k] * scale[l]) * f64::from(m[(k, l)])
+            });
+            for (entry, value) in shrunk_block(block, tau).into_iter().enumerate() {
+                let (k, l) = at(entry);
+                m[(k, l)] = value as f32;
+                m[(l, k)] = value as f32;
             }
         }
     }
+    m
 }
 
 /// Rows of T in turn, each against a stretch of every column of x while the stretch is at hand.

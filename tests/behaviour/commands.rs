@@ -215,6 +215,50 @@ fn solvers_agree() {
 }
 
 #[test]
+fn linear_elements_fill_the_same_tables_and_say_what_they_are() {
+    let scratch = Scratch::new();
+    let told = |basis: &str| {
+        let output =
+            done(scratch.folder(), &format!("solve -o {basis} --basis {basis} --save-factors {basis}.ff"));
+        let solution = json(&scratch.path(&format!("{basis}/solution.json")));
+        assert_eq!(solution["basis"], basis);
+        assert!(solution["energy"]["imbalance"].as_f64().unwrap() < 1e-5);
+        let rows = table(&scratch.path(&format!("{basis}/patches.csv"))).1;
+        assert_eq!(rows.len() as u64, solution["patches"].as_u64().unwrap());
+        (text(&output.stdout).to_owned(), solution, rows)
+    };
+    let (constant, linear) = (told("constant"), told("linear"));
+    assert_eq!(constant.1["solver"]["certainty"], "guaranteed");
+    assert_eq!(linear.1["solver"]["certainty"], "estimated");
+    assert!(constant.0.contains("error at most") && !constant.0.contains("linear"), "{}", constant.0);
+    assert!(linear.0.contains("patches, linear") && linear.0.contains("error about"), "{}", linear.0);
+    assert_eq!(constant.1["undershoot"]["share"], 0.0);
+    // The same patches, and about the same light.
+    assert_eq!(linear.2.len(), constant.2.len());
+    let sum = |rows: &[BTreeMap<String, String>]| {
+        rows.iter().map(|row| number(row, "area") * number(row, "irradiance_g")).sum::<f64>()
+    };
+    assert!((sum(&linear.2) / sum(&constant.2) - 1.0).abs() < 0.05);
+    // Light paths find the same.
+    done(scratch.folder(), "compare -o against --basis linear --paths 200000 --samples 1");
+    let comparison = json(&scratch.path("against/comparison.json"));
+    assert_eq!(comparison["basis"], "linear");
+    let orders = comparison["orders"].as_array().expect("a list");
+    let (first, last) = (&orders[0], &orders[orders.len() - 1]);
+    assert_eq!(first["vs_direct"], 1.0);
+    assert!(last["vs_direct"].as_f64().unwrap() < 1e-5 && last["bound"].as_f64().unwrap() < 1e-5, "{last}");
+    // Saved form factors bring their basis along.
+    let output = radiosity(scratch.folder(), "solve -o again --factors linear.ff --size 80x60");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(json(&scratch.path("again/solution.json"))["basis"], "linear");
+    let [saved, traced] =
+        ["again", "linear"].map(|folder| content(&scratch.path(folder))["patches.csv"].clone());
+    assert!(saved == traced);
+    let refused = radiosity(scratch.folder(), "solve -o . --factors linear.ff --basis linear");
+    assert_eq!(refused.status.code(), Some(2));
+}
+
+#[test]
 fn the_summary_has_the_keys_that_scripts_rely_on() {
     let scratch = Scratch::new();
     done(scratch.folder(), "solve -o . --seed 7 --threads 2");

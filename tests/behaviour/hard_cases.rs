@@ -1,10 +1,10 @@
-//! Hard cases that must stay stable, each with every solver and both ways of storage.
+//! Hard cases that must stay stable, each with every solver, both ways of storage and, where it matters, both bases.
 
 use nalgebra::DMatrix;
 use radiosity::measure::Energy;
-use radiosity::patches::{PatchSize, Patches, Reach, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches, Reach, Tessellation};
 use radiosity::scene::{Material, Scene, SceneParts};
-use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Solution};
+use radiosity::solve::{self, Certainty, CgOptions, DirectOptions, NeumannOptions, Solution};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, StorageKind, TraceOptions, Transport};
 
@@ -14,10 +14,24 @@ type Quad = [[f64; 3]; 4];
 
 const STORAGES: [StorageKind; 2] = [StorageKind::Dense, StorageKind::Sparse];
 
+/// Every way to hold every kind of elements.
+fn kinds() -> impl Iterator<Item = (Basis, StorageKind)> {
+    [Basis::Constant, Basis::Linear].into_iter().flat_map(|basis| STORAGES.map(|storage| (basis, storage)))
+}
+
 fn factors<'s>(scene: &'s Scene, size: PatchSize, storage: StorageKind) -> (Patches<'s>, FormFactors) {
+    factors_of(scene, size, 64, (Basis::Constant, storage))
+}
+
+fn factors_of<'s>(
+    scene: &'s Scene,
+    size: PatchSize,
+    rays: u32,
+    (basis, storage): (Basis, StorageKind),
+) -> (Patches<'s>, FormFactors) {
     let tracer = Tracer::new(scene);
     let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
-    let options = TraceOptions { rays: Some(64), storage, ..Default::default() };
+    let options = TraceOptions { rays: Some(rays), basis, storage, ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
     (patches, factors)
 }
@@ -33,37 +47,55 @@ fn iterative(k: &Transport, e: &DMatrix<f64>) -> [Solution; 2] {
 }
 
 /// What holds of every scene: finite and non-negative light, rows that close, energy that balances, solvers that agree as closely as
-/// their bounds say. Answers the mean radiance per quad.
+/// their bounds say. Answers the mean radiance per quad of constant elements.
 fn hold_to_the_laws(scene: &Scene, size: PatchSize) -> Vec<f64> {
-    let mut means = Vec::new();
-    for storage in STORAGES {
-        let (patches, factors) = factors(scene, size, storage);
+    let mut constant = Vec::new();
+    // That both storages hold the same linear elements is a law of its own.
+    for (basis, storage) in kinds().filter(|&kind| kind != (Basis::Linear, StorageKind::Dense)) {
+        let (patches, factors) = factors_of(scene, size, 64, (basis, storage));
         assert!(factors.exchange().closure_error() < 1e-12, "{:?}", factors.exchange().closure());
         let k = Transport::of(&factors, &patches).unwrap();
         assert!(k.norm().iter().all(|&q| q <= 1.0 + 1e-12));
-        let e = patches.sources();
+        let e = basis.coefficients_of(&patches.sources());
         let exact = direct(&k, &e);
-        assert!(exact.radiance.iter().all(|l| l.is_finite() && *l >= 0.0));
+        assert!(exact.radiance.iter().all(|l| l.is_finite()));
         let energy = Energy::new(&k, &e, &exact.radiance, 1.0);
-        assert!(energy.imbalance < 1e-10, "{energy:?}");
+        assert!(energy.imbalance < 1e-10, "{basis:?} {energy:?}");
         for other in iterative(&k, &e) {
-            let off = (&other.radiance - &exact.radiance).amax() / exact.radiance.amax();
-            assert!(
-                off <= other.report.bound * 1.001 + 1e-13,
-                "{}: {off} {:?}",
-                other.report.name,
-                other.report
-            );
+            let (off, report) = (&other.radiance - &exact.radiance, &other.report);
+            let (off, most) = match report.certainty {
+                Certainty::Guaranteed => (off.amax() / exact.radiance.amax(), report.bound * 1.001),
+                Certainty::Estimated => (
+                    k.mass().norm(off.column(0)) / k.mass().norm(exact.radiance.column(0)),
+                    report.bound * 2.0,
+                ),
+            };
+            assert!(off <= most + 1e-13, "{}: {off} {report:?}", report.name);
         }
+        let by_patch = basis.means(&exact.radiance);
         let mut sums = vec![(0.0, 0.0); scene.faces().len() / 2];
         for i in 0..patches.len() {
             let sum = &mut sums[patches.place(i).face / 2];
-            sum.0 += patches.area(i) * exact.radiance[i];
+            sum.0 += patches.area(i) * by_patch[i];
             sum.1 += patches.area(i);
         }
-        means = sums.into_iter().map(|(flux, area)| if area > 0.0 { flux / area } else { 0.0 }).collect();
+        let means: Vec<f64> =
+            sums.into_iter().map(|(flux, area)| if area > 0.0 { flux / area } else { 0.0 }).collect();
+        assert!(means.iter().all(|&mean| mean >= 0.0), "{basis:?}: {means:?}");
+        match basis {
+            Basis::Constant => {
+                assert!(exact.radiance.iter().all(|&l| l >= 0.0));
+                constant = means;
+            }
+            // The same rays tell of the same light.
+            Basis::Linear => {
+                let brightest = constant.iter().copied().fold(0.0, f64::max);
+                let apart = |(a, b): (&f64, &f64)| (a - b).abs() < 0.05 * a + 0.005 * brightest;
+                assert!(constant.iter().zip(&means).all(apart), "{constant:?} {means:?}");
+            }
+        }
     }
-    means
+    constant
 }
 
 fn furnace(low: [f64; 3], high: [f64; 3]) -> Scene {
@@ -94,30 +126,40 @@ fn striped_furnace() -> Scene {
 #[test]
 fn a_furnace_of_mixed_sizes_stays_exact_as_reflectance_nears_one() {
     let scene = striped_furnace();
-    for storage in STORAGES {
-        let (patches, factors) = factors(&scene, PatchSize::Count(1600), storage);
-        assert!(patches.len() > 1000);
+    for (basis, storage) in kinds() {
+        let count = if basis == Basis::Constant { 1600 } else { 900 };
+        let (patches, factors) = factors_of(&scene, PatchSize::Count(count), 64, (basis, storage));
+        assert!(patches.len() > count / 2);
         let areas = patches.areas();
         let ratio = areas.iter().copied().fold(0.0, f64::max) / areas.iter().copied().fold(1.0, f64::min);
         assert!(ratio > 1e3, "sizes are mixed: {ratio}");
         assert!(factors.exchange().closure_error() < 1e-12);
-        let e = patches.sources();
+        let e = basis.coefficients_of(&patches.sources());
         for (rho, precise) in [(0.5, 1e-10), (0.9, 1e-10), (0.999, 1e-8), (0.999999, 1e-6)] {
             let k = Transport::new(&factors, DMatrix::repeat(patches.len(), 1, rho)).unwrap();
             let exact = direct(&k, &e);
             let worst = exact.radiance.map(|l| l * (1.0 - rho) - 1.0).amax();
-            assert!(worst < precise, "ρ = {rho}: {worst}");
+            assert!(worst < precise, "{basis:?} ρ = {rho}: {worst}");
             let imbalance = Energy::new(&k, &e, &exact.radiance, 1.0).imbalance;
             assert!(imbalance < if rho < 0.9999 { 1e-10 } else { 1e-8 }, "ρ = {rho}: imbalance {imbalance}");
-            let cg = solve::conjugate_gradients(&k, &e, &CgOptions { tolerance: 2e-9, ..Default::default() });
-            assert!(cg.unwrap().radiance.map(|l| l * (1.0 - rho) - 1.0).amax() < 1e-6 + 1e-10 / (1.0 - rho));
+            // What rounding leaves of a residual is some 1/(1 − ρ) units in the last place, and five times that where M⁻¹ mixes
+            // the corners: ‖4I − J‖∞ = 5.
+            let tolerance = if basis == Basis::Constant { 2e-9 } else { 1e-8 };
+            let cg = solve::conjugate_gradients(&k, &e, &CgOptions { tolerance, ..Default::default() });
+            let worst = cg.unwrap().radiance.map(|l| l * (1.0 - rho) - 1.0).amax();
+            assert!(worst < 1e-6 + 1e-10 / (1.0 - rho), "{basis:?} ρ = {rho}: {worst}");
             // Every order of the series, and the bound at its cap.
             let options = NeumannOptions { order: 40, tolerance: 0.0, ..Default::default() };
             let series = solve::neumann(&k, &e, &options).unwrap();
             let sum: f64 = (0..=40).map(|j| rho.powi(j)).sum();
             assert!(series.solution.radiance.map(|l| l / sum - 1.0).amax() < 1e-9);
+            // Everything is the same everywhere, and so are both norms but for rounding.
             let missing = (&series.solution.radiance - &exact.radiance).amax() / sum;
-            assert!(missing <= series.solution.report.bound * 1.01, "{missing} {:?}", series.solution.report);
+            assert!(
+                missing <= series.solution.report.bound * 1.01 + 1e-12,
+                "{missing} {:?}",
+                series.solution.report
+            );
         }
     }
 }
@@ -126,13 +168,13 @@ fn a_furnace_of_mixed_sizes_stays_exact_as_reflectance_nears_one() {
 fn a_lit_room_balances_its_energy_at_any_reflectance() {
     for (rho, most) in [(0.0, 1e-12), (0.5, 1e-10), (0.9, 1e-10), (0.999, 1e-10), (0.999999, 1e-8)] {
         let scene = lit_room(rho, &[]);
-        for storage in STORAGES {
-            let (patches, factors) = factors(&scene, PatchSize::Count(600), storage);
+        for (basis, storage) in kinds() {
+            let (patches, factors) = factors_of(&scene, PatchSize::Count(600), 64, (basis, storage));
             assert!(factors.exchange().closure_error() < 1e-12);
             let k = Transport::of(&factors, &patches).unwrap();
-            let e = patches.sources();
+            let e = basis.coefficients_of(&patches.sources());
             let imbalance = Energy::new(&k, &e, &direct(&k, &e).radiance, 1.0).imbalance;
-            assert!(imbalance < most, "ρ = {rho}: {imbalance}");
+            assert!(imbalance < most, "{basis:?} ρ = {rho}: {imbalance}");
         }
     }
 }

@@ -3,9 +3,11 @@
 use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
 use radiosity::measure::{Energy, ReferenceRow, RelativeRms};
-use radiosity::patches::{PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Material, Scene, SceneParts, Side};
-use radiosity::solve::{self, CgOptions, DirectOptions, Method, NeumannOptions, Solution, SolveOptions};
+use radiosity::solve::{
+    self, Certainty, CgOptions, DirectOptions, Method, NeumannOptions, Solution, SolveOptions,
+};
 use radiosity::trace::Tracer;
 use radiosity::transport::{Exchange, FormFactors, StorageKind, TraceOptions, Transport};
 
@@ -14,6 +16,12 @@ use crate::scenes::{quads, room};
 const MESHES: [&str; 6] =
     ["cornell_box", "furnace_cube", "furnace_sphere", "facing_plates", "two_rooms", "furnished_room"];
 const STORAGES: [StorageKind; 2] = [StorageKind::Dense, StorageKind::Sparse];
+const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
+
+/// Every way to hold every kind of elements.
+fn kinds() -> impl Iterator<Item = (Basis, StorageKind)> {
+    BASES.into_iter().flat_map(|basis| STORAGES.map(|storage| (basis, storage)))
+}
 
 fn mesh(name: &str) -> Scene {
     Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap()
@@ -25,10 +33,19 @@ fn factors<'s>(
     rays: u32,
     storage: StorageKind,
 ) -> (Patches<'s>, FormFactors) {
+    factors_of(scene, count, rays, (Basis::Constant, storage))
+}
+
+fn factors_of<'s>(
+    scene: &'s Scene,
+    count: usize,
+    rays: u32,
+    (basis, storage): (Basis, StorageKind),
+) -> (Patches<'s>, FormFactors) {
     let tracer = Tracer::new(scene);
     let size = PatchSize::Count(count);
     let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
-    let options = TraceOptions { rays: Some(rays), storage, ..Default::default() };
+    let options = TraceOptions { rays: Some(rays), basis, storage, ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
     (patches, factors)
 }
@@ -46,6 +63,12 @@ fn every_solver(k: &Transport, e: &DMatrix<f64>) -> [Solution; 3] {
 
 fn difference(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
     (a - b).amax() / b.amax()
+}
+
+/// The largest over channels of √(∫ (a − b)² dA / ∫ b² dA).
+fn difference_in_mean_square(k: &Transport, a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
+    let norm = |x: &DMatrix<f64>, c: usize| k.mass().norm(x.column(c));
+    (0..b.ncols()).map(|c| norm(&(a - b), c) / norm(b, c)).fold(0.0, f64::max)
 }
 
 /// The scene with every vertex and the camera's place changed by `f`.
@@ -77,14 +100,14 @@ fn a_furnace_is_exact_in_every_patch_and_at_every_order() {
     for name in ["furnace_cube", "furnace_sphere"] {
         let scene = mesh(name);
         let (rho, emitted) = (scene.materials()[0].reflectance[0], scene.materials()[0].emission[0]);
-        for storage in STORAGES {
-            let (patches, factors) = factors(&scene, 600, 64, storage);
+        for (basis, storage) in kinds() {
+            let (patches, factors) = factors_of(&scene, 600, 64, (basis, storage));
             let k = Transport::of(&factors, &patches).unwrap();
-            let e = patches.sources();
+            let e = basis.coefficients_of(&patches.sources());
             let exact = emitted / (1.0 - rho);
             for solution in every_solver(&k, &e) {
                 let worst = solution.radiance.iter().map(|l| (l / exact - 1.0).abs()).fold(0.0, f64::max);
-                assert!(worst < 1e-8, "{name} {storage:?} {}: {worst}", solution.report.name);
+                assert!(worst < 1e-8, "{name} {basis:?} {storage:?} {}: {worst}", solution.report.name);
             }
             for order in 0..12 {
                 let options = NeumannOptions { order, tolerance: 0.0, ..Default::default() };
@@ -92,7 +115,7 @@ fn a_furnace_is_exact_in_every_patch_and_at_every_order() {
                 let exact = emitted * (1.0 - rho.powi(order as i32 + 1)) / (1.0 - rho);
                 let worst =
                     series.solution.radiance.iter().map(|l| (l / exact - 1.0).abs()).fold(0.0, f64::max);
-                assert!(series.order() == order && worst < 1e-11, "{name} order {order}: {worst}");
+                assert!(series.order() == order && worst < 1e-11, "{name} {basis:?} order {order}: {worst}");
             }
         }
     }
@@ -128,23 +151,27 @@ fn the_ideal_sphere_has_its_closed_form_at_every_order() {
 fn the_solvers_agree_and_energy_balances_on_every_mesh() {
     for name in MESHES {
         let scene = mesh(name);
-        for storage in STORAGES {
-            let (patches, factors) = factors(&scene, 500, 128, storage);
+        for (basis, storage) in kinds() {
+            let (patches, factors) = factors_of(&scene, 500, 128, (basis, storage));
             let k = Transport::of(&factors, &patches).unwrap();
-            let e = patches.sources();
+            let e = basis.coefficients_of(&patches.sources());
             let [direct, cg, series] = every_solver(&k, &e);
             for other in [&cg, &series] {
                 let off = difference(&other.radiance, &direct.radiance);
-                assert!(off < 1e-8, "{name} {storage:?} {}: {off}", other.report.name);
-                // The bound is tight in a furnace and holds in exact arithmetic: allow for rounding.
-                assert!(
-                    off <= other.report.bound * (1.0 + 1e-4),
-                    "{name} {}: {off} exceeds its bound",
-                    other.report.name
-                );
+                assert!(off < 1e-8, "{name} {basis:?} {storage:?} {}: {off}", other.report.name);
+                let report = &other.report;
+                // A guaranteed bound is tight in a furnace and holds in exact arithmetic: allow for rounding.
+                let (off, most) = match report.certainty {
+                    Certainty::Guaranteed => (off, report.bound * (1.0 + 1e-4)),
+                    Certainty::Estimated => {
+                        (difference_in_mean_square(&k, &other.radiance, &direct.radiance), 2.0 * report.bound)
+                    }
+                };
+                assert_eq!(report.certainty == Certainty::Guaranteed, basis == Basis::Constant);
+                assert!(off <= most, "{name} {basis:?} {}: {off} exceeds its bound {report:?}", report.name);
             }
             let energy = Energy::new(&k, &e, &direct.radiance, 1.0);
-            assert!(energy.imbalance < 1e-9, "{name} {storage:?}: {energy:?}");
+            assert!(energy.imbalance < 1e-9, "{name} {basis:?} {storage:?}: {energy:?}");
             assert!(energy.emitted.iter().all(|&x| x > 0.0));
         }
     }
@@ -153,12 +180,14 @@ fn the_solvers_agree_and_energy_balances_on_every_mesh() {
 #[test]
 fn radiance_is_emission_and_reflected_irradiance_row_by_row() {
     let scene = mesh("cornell_box");
-    let (patches, factors) = factors(&scene, 400, 64, StorageKind::Auto);
-    let k = Transport::of(&factors, &patches).unwrap();
-    let e = patches.sources();
-    for solution in every_solver(&k, &e) {
-        let composed = &e + k.reflect(&solution.irradiance);
-        assert!(difference(&composed, &solution.radiance) < 1e-15);
+    for basis in BASES {
+        let (patches, factors) = factors_of(&scene, 400, 64, (basis, StorageKind::Auto));
+        let k = Transport::of(&factors, &patches).unwrap();
+        let e = basis.coefficients_of(&patches.sources());
+        for solution in every_solver(&k, &e) {
+            let composed = &e + k.reflect(&solution.irradiance);
+            assert!(difference(&composed, &solution.radiance) < 1e-15);
+        }
     }
 }
 
@@ -198,16 +227,20 @@ fn channels_do_not_touch_each_other() {
 fn reciprocity_holds_to_the_last_bit_and_rows_close() {
     for name in ["two_rooms", "cornell_box"] {
         let scene = mesh(name);
-        for storage in STORAGES {
-            let (patches, factors) = factors(&scene, 500, 64, storage);
+        for kind in kinds() {
+            let (patches, factors) = factors_of(&scene, 500, 64, kind);
             let exchange = factors.exchange();
-            for i in 0..patches.len() {
+            let each = kind.0.coefficients();
+            assert_eq!(exchange.len(), each * patches.len());
+            for i in 0..exchange.len() {
                 for j in 0..i {
                     let (there, back) = (exchange.exchange_area(i, j), exchange.exchange_area(j, i));
                     assert_eq!(there.to_bits(), back.to_bits());
+                    assert!(there >= 0.0 && (there == 0.0 || i / each != j / each), "no patch sees itself");
                 }
                 assert_eq!(exchange.form_factor(i, i), 0.0, "a flat patch does not see itself");
             }
+            assert_eq!(exchange.reciprocity_error(), 0.0);
             assert!(exchange.closure_error() < 1e-12);
             assert!(exchange.closure().before > 1e-3, "rays alone do not close");
         }
@@ -217,13 +250,31 @@ fn reciprocity_holds_to_the_last_bit_and_rows_close() {
 #[test]
 fn dense_and_sparse_hold_the_same_operator() {
     let scene = mesh("two_rooms");
-    let [dense, sparse] = STORAGES.map(|storage| factors(&scene, 500, 64, storage).1);
-    assert_eq!((dense.exchange().storage_name(), sparse.exchange().storage_name()), ("dense", "sparse"));
-    for i in 0..dense.len() {
-        for j in 0..dense.len() {
-            let (a, b) = (dense.exchange().exchange_area(i, j), sparse.exchange().exchange_area(i, j));
-            assert!((a - b).abs() <= 1e-12 * a, "{a} {b}");
+    for basis in BASES {
+        let [dense, sparse] = STORAGES.map(|storage| factors_of(&scene, 500, 64, (basis, storage)).1);
+        let (dense, sparse) = (dense.exchange(), sparse.exchange());
+        assert_eq!((dense.storage_name(), sparse.storage_name()), ("dense", "sparse"));
+        // Of linear elements a single ray keeps more digits where it is kept as such; closing the rows passes that on.
+        let digits = if basis == Basis::Constant { 1e-12 } else { 1e-6 };
+        let mut from_row = vec![0.0; dense.len()];
+        for i in 0..dense.len() {
+            from_row.fill(0.0);
+            sparse.for_row(i, |j, s| from_row[j] = s);
+            for (j, s) in from_row.iter().enumerate() {
+                let (a, b) = (dense.exchange_area(i, j), sparse.exchange_area(i, j));
+                assert!((a - b).abs() <= digits * a, "{basis:?}: {a} {b}");
+                assert_eq!(*s, b);
+            }
         }
+        // The product knows the same numbers as the entries.
+        let x = DMatrix::from_vec(dense.len(), 2, numbers(2 * dense.len(), 5));
+        let mut through = x.clone();
+        sparse.apply(&x, &mut through);
+        let mut summed = DMatrix::zeros(dense.len(), 2);
+        for i in 0..dense.len() {
+            sparse.for_row(i, |j, s| (0..2).for_each(|c| summed[(i, c)] += s * x[(j, c)]));
+        }
+        assert!(difference(&through, &summed) < 1e-13, "{basis:?}");
     }
 }
 
@@ -262,11 +313,12 @@ fn the_number_of_threads_changes_no_bit() {
     let scene = mesh("cornell_box");
     let answer = |threads: usize| {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
-            STORAGES.map(|storage| {
-                let (patches, factors) = factors(&scene, 700, 64, storage);
+            let answer = |kind: (Basis, StorageKind)| {
+                let (patches, factors) = factors_of(&scene, 500, 64, kind);
                 let k = Transport::of(&factors, &patches).unwrap();
-                every_solver(&k, &patches.sources()).map(|s| s.radiance)
-            })
+                every_solver(&k, &kind.0.coefficients_of(&patches.sources())).map(|s| s.radiance)
+            };
+            kinds().map(answer).collect::<Vec<_>>()
         })
     };
     let one = answer(1);

@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use radiosity::patches::{PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Material, Scene, SceneParts};
 use radiosity::solve::{self, CgOptions};
 use radiosity::trace::Tracer;
@@ -28,8 +28,12 @@ fn cut() -> Tessellation<'static> {
 }
 
 fn traced<'s>(tracer: &Tracer<'s>, storage: StorageKind) -> (Patches<'s>, FormFactors) {
+    traced_for(tracer, (Basis::Constant, storage))
+}
+
+fn traced_for<'s>(tracer: &Tracer<'s>, (basis, storage): (Basis, StorageKind)) -> (Patches<'s>, FormFactors) {
     let mut patches = Patches::new(tracer, &cut()).unwrap();
-    let options = TraceOptions { rays: Some(64), storage, keep: Keep::Rays, ..Default::default() };
+    let options = TraceOptions { rays: Some(64), basis, storage, keep: Keep::Rays, ..Default::default() };
     let factors = FormFactors::trace(tracer, &mut patches, &options).unwrap();
     (patches, factors)
 }
@@ -52,7 +56,8 @@ fn solved_with(file: &[u8], scene: &Scene) -> (Vec<f64>, Reuse) {
 
 fn irradiance(patches: &Patches, factors: &FormFactors) -> Vec<f64> {
     let k = Transport::of(factors, patches).unwrap();
-    let solution = solve::conjugate_gradients(&k, &patches.sources(), &CgOptions::default()).unwrap();
+    let e = factors.basis().coefficients_of(&patches.sources());
+    let solution = solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap();
     solution.irradiance.as_slice().to_vec()
 }
 
@@ -75,6 +80,43 @@ fn nothing_is_traced_again_for_other_powers_and_reflectances() {
             assert!(reused.len() == fresh.len() && (mean(&reused) / mean(&fresh) - 1.0).abs() < 0.01);
         }
         assert!(solved_with(&file, &before).1.balanced);
+    }
+}
+
+#[test]
+fn linear_elements_are_saved_with_all_that_other_lamps_need() {
+    let left = scene([5.0, 0.0], 0.5);
+    let both = scene([5.0, 5.0], 0.5);
+    for storage in [StorageKind::Dense, StorageKind::Sparse] {
+        let kind = (Basis::Linear, storage);
+        let tracer = Tracer::new(&left);
+        let (patches, factors) = traced_for(&tracer, kind);
+        let mut file = Vec::new();
+        factors.save(&patches, &mut file).unwrap();
+        let (reused, reuse) = solved_with(&file, &left);
+        assert!(reuse.balanced && reused.len() == 3 * patches.len());
+        assert_eq!(reused, irradiance(&patches, &factors), "the same bits");
+        // Lamps that are newly lit, from the same rays as if all had been traced anew; storage is chosen anew too.
+        let (adapted, reuse) = solved_with(&file, &both);
+        assert!(!reuse.balanced && reuse.traced < reuse.held / 10, "{reuse:?}");
+        let tracer = Tracer::new(&both);
+        let (patches, fresh) = traced_for(&tracer, (Basis::Linear, StorageKind::Auto));
+        assert_eq!(adapted, irradiance(&patches, &fresh));
+        // The same lamps over black walls: fewer sides are reached, and what is known of lamps is taken from the file.
+        let black = scene([5.0, 0.0], 0.0);
+        let (adapted, reuse) = solved_with(&file, &black);
+        assert!(!reuse.balanced && reuse.traced == 0, "{reuse:?}");
+        let tracer_of_black = Tracer::new(&black);
+        let (patches, fresh) = traced_for(&tracer_of_black, (Basis::Linear, StorageKind::Auto));
+        assert_eq!(adapted, irradiance(&patches, &fresh));
+        // Damage is found before anything is made of it.
+        for place in [100, file.len() / 3] {
+            let mut altered = file.clone();
+            altered[place] ^= 0x10;
+            let loaded =
+                FormFactors::load(&mut Cursor::new(altered), &tracer, &cut(), storage, Keep::Nothing);
+            assert!(matches!(loaded, Err(TransportError::File(FactorsFileError::Damaged))));
+        }
     }
 }
 
@@ -129,7 +171,7 @@ fn a_file_that_does_not_fit_is_refused_with_the_reason() {
     }
     let mut newer = file.clone();
     newer[8] += 1;
-    assert_eq!(refused(&newer, &tracer), FactorsFileError::Version { found: 2 });
+    assert_eq!(refused(&newer, &tracer), FactorsFileError::Version { found: 3 });
     let moved = Scene::new(SceneParts {
         name: "moved".into(),
         vertices: scene.vertices().iter().map(|&p| p * 1.25).collect(),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use radiosity::output::{self, Exposure, Outlines, OutputError, Outputs, Picture, RenderOptions, Shading};
-use radiosity::patches::{PatchSize, Patches, Reach, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches, Reach, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Camera, Scene, SceneError};
 use radiosity::solve::{Method, SolveOptions};
@@ -76,6 +76,23 @@ enum StorageArg {
     Dense,
     /// Compressed rows
     Sparse,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum BasisArg {
+    /// One value
+    Constant,
+    /// Straight from corner to corner: less error with the same patches and rays, for thrice the unknowns
+    Linear,
+}
+
+impl BasisArg {
+    pub fn basis(self) -> Basis {
+        match self {
+            Self::Constant => Basis::Constant,
+            Self::Linear => Basis::Linear,
+        }
+    }
 }
 
 impl AccuracyArgs {

@@ -10,7 +10,7 @@ use radiosity::output::{
     RenderOptions, Shading,
 };
 use radiosity::scene::Scene;
-use radiosity::solve::{self, Amplification, SolveOptions};
+use radiosity::solve::{self, Amplification, Certainty, Report, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::Transport;
 
@@ -98,7 +98,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let tracer = Tracer::new(&scene);
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
-    let sources = patches.sources();
+    let basis = factors.basis();
+    let sources = basis.coefficients_of(&patches.sources());
     let before_solving = began.elapsed().as_secs_f64();
     progress.at("solve", 0.0)?;
     let amplification = Amplification::new(&k, &Default::default())?;
@@ -118,6 +119,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("series", 0.0)?;
     let limits = OrderOptions { tolerance: args.solver.tolerance, order: args.solver.order, progress };
     let orders = OrderRow::all(&k, &sources, &direct.irradiance, &reference, &amplification, &limits)?;
+    // Pictures and tables show the means over patches.
+    let direct = direct.means(basis);
     let comparison = Comparison::new(&patches, &direct.irradiance, &reference, &mesh);
 
     let camera = args::camera(&tracer, &patches);
@@ -126,6 +129,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     };
     let [matrix, traced] = [picture(Shading::Smooth)?, picture(Shading::Path)?];
     let terms = solve::bounces(&k, &sources, LAST_PICTURE.min(orders.len().max(2) - 1));
+    let terms: Vec<_> = terms.iter().map(|term| basis.means(term)).collect();
     let bounces = BouncePictures::render(&tracer, &patches, &terms, &camera, &look)?;
 
     progress.at("write", 0.0)?;
@@ -148,6 +152,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         threads: rayon::current_num_threads(),
         patches: patches.len(),
         rays: factors.rays(),
+        basis: basis.name(),
         orders: orders.iter().map(|row| OrderSummary::new(row, before_solving)).collect(),
         direct: DirectSummary::new(&comparison, direct_seconds),
         reference: (&reference).into(),
@@ -159,7 +164,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     if args.run.json {
         terminal.print(serde_json::to_string_pretty(&summary)?)?;
     }
-    terminal.say(report(&summary, scene.faces().len(), direct.report.name))?;
+    terminal.say(report(&summary, scene.faces().len(), &direct.report))?;
     let folder = args.scene.folder(&scene);
     terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()))?;
     Ok(())
@@ -180,8 +185,12 @@ fn plot(scene: &Scene, orders: &[OrderRow], comparison: &Comparison, noise_floor
 }
 
 /// What the user wants to know, in a screenful.
-fn report(summary: &ComparisonSummary, faces: usize, solver: &str) -> String {
+fn report(summary: &ComparisonSummary, faces: usize, solver: &Report) -> String {
     let ComparisonSummary { direct, reference, orders, .. } = summary;
+    let certainty = match solver.certainty {
+        Certainty::Guaranteed => "guaranteed",
+        Certainty::Estimated => " estimated",
+    };
     let mut lines = vec![
         format!(
             "{}: {faces} faces, {} patches, {} rays a patch\n",
@@ -194,7 +203,7 @@ fn report(summary: &ComparisonSummary, faces: usize, solver: &str) -> String {
             percent(reference.standard_error)
         ),
         format!("mesh          patches half as long change the answer by {}\n", percent(direct.mesh_error)),
-        "  order  from direct  guaranteed  from reference        mean  worst patch   seconds".to_owned(),
+        format!("  order  from direct  {certainty}  from reference        mean  worst patch   seconds"),
     ];
     let row = |name: &str,
                from: String,
@@ -218,7 +227,7 @@ fn report(summary: &ComparisonSummary, faces: usize, solver: &str) -> String {
     }));
     let worst = direct.worst_z;
     lines.push(row(
-        solver,
+        solver.name,
         String::new(),
         String::new(),
         direct.vs_reference,

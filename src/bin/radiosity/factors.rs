@@ -8,7 +8,7 @@ use radiosity::progress::Progress;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, TraceOptions};
 
-use crate::args::{AccuracyArgs, RunArgs};
+use crate::args::{AccuracyArgs, BasisArg, RunArgs};
 use crate::terminal::{Failure, Terminal};
 
 /// How to get form factors.
@@ -16,6 +16,10 @@ use crate::terminal::{Failure, Terminal};
 pub struct FactorsArgs {
     #[command(flatten)]
     accuracy: AccuracyArgs,
+
+    /// How light varies over a patch
+    #[arg(long, value_enum, default_value_t = BasisArg::Constant, help_heading = "Accuracy")]
+    basis: BasisArg,
 
     /// Write the form factors to a file, for --factors
     #[arg(long, value_name = "FILE", help_heading = "Accuracy")]
@@ -27,7 +31,7 @@ pub struct FactorsArgs {
         long,
         value_name = "FILE",
         help_heading = "Accuracy",
-        conflicts_with_all = ["patches", "edge", "rays", "storage"]
+        conflicts_with_all = ["patches", "edge", "rays", "storage", "basis"]
     )]
     factors: Option<PathBuf>,
 }
@@ -35,7 +39,8 @@ pub struct FactorsArgs {
 impl FactorsArgs {
     /// How to cut and trace.
     pub fn options<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> (Tessellation<'a>, TraceOptions<'a>) {
-        (self.accuracy.tessellation(run, progress), self.accuracy.trace(run, progress))
+        let trace = TraceOptions { basis: self.basis.basis(), ..self.accuracy.trace(run, progress) };
+        (self.accuracy.tessellation(run, progress), trace)
     }
 
     /// Cuts the scene and finds the form factors between its patches.

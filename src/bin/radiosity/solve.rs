@@ -1,10 +1,11 @@
 //! `radiosity solve`: the main job.
 
-use radiosity::measure::Energy;
+use radiosity::measure::{Energy, Undershoot};
 use radiosity::output::{self, PlanEntry, SeriesSummary, Summary};
+use radiosity::patches::Basis;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Plan, Transport};
+use radiosity::transport::{Exchange, Plan, Transport};
 
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -41,27 +42,30 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let tracer = Tracer::new(&scene);
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
-    let sources = patches.sources();
+    let basis = factors.basis();
+    let sources = basis.coefficients_of(&patches.sources());
     // All lamps together, then each group of lamps by itself: one factorization serves them all.
     let groups = if args.lamp_groups { patches.sources_by_material() } else { Vec::new() };
-    let right_hand_sides: Vec<_> =
-        std::iter::once(&sources).chain(groups.iter().map(|g| &g.sources)).collect();
+    let by_group: Vec<_> = groups.iter().map(|g| basis.coefficients_of(&g.sources)).collect();
+    let right_hand_sides: Vec<_> = std::iter::once(&sources).chain(&by_group).collect();
     progress.at("solve", 0.0)?;
     let amplification = Some(&Amplification::new(&k, &Default::default())?);
     let options = SolveOptions { amplification, ..args.solver.options(&args.run, progress) };
     let mut solutions = solve::solve_all(&k, &right_hand_sides, &options)?;
-    let by_group = solutions.split_off(1);
+    let by_group: Vec<_> = solutions.split_off(1).into_iter().map(|solution| solution.means(basis)).collect();
     let solution = &solutions[0];
     progress.at("series", 0.0)?;
     let (order, tolerance) = (args.solver.order, args.solver.tolerance);
     let series = solve::neumann(&k, &sources, &NeumannOptions { order, tolerance, amplification, progress })?;
 
     let camera = args::camera(&tracer, &patches);
-    let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
+    // Tables and pictures show the means over patches.
+    let means = solution.clone().means(basis);
+    let (irradiance, radiance) = (&means.irradiance, &means.radiance);
+    let picture = output::render(&tracer, &patches, radiance, &camera, &look)?;
     args.picture.warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;
     let exposure = args.picture.exposure(&picture);
-    let (irradiance, radiance) = (&solution.irradiance, &solution.radiance);
     let mut outputs = args.scene.outputs(&scene)?;
     outputs.file("faces.csv", |file| output::write_faces(file, &patches, irradiance, radiance))?;
     outputs.file("patches.csv", |file| output::write_patches(file, &patches, irradiance, radiance))?;
@@ -82,6 +86,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         patches: patches.len(),
         rays: factors.rays(),
         channels: scene.channels(),
+        basis: basis.name(),
         storage: factors.exchange().storage_name(),
         plan: plan.effects.iter().cloned().map(PlanEntry::from).collect(),
         stages: terminal.stages(),
@@ -89,6 +94,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         solver: solution.report.clone(),
         energy: (&energy).into(),
         closure: *factors.exchange().closure(),
+        undershoot: Undershoot::of(k.mass(), &solution.radiance),
         error: None,
         warnings: scene.warnings().to_vec(),
     };
@@ -97,34 +103,38 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     if args.run.json {
         terminal.print(serde_json::to_string_pretty(&summary)?)?;
     }
-    terminal.say(report(&summary, scene.faces().len(), factors.exchange().bytes()))?;
+    terminal.say(report(&summary, scene.faces().len(), factors.exchange()))?;
     let folder = args.scene.folder(&scene);
     terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()))?;
     Ok(())
 }
 
 /// What the user wants to know, in a dozen lines.
-fn report(summary: &Summary, faces: usize, bytes: u64) -> String {
+fn report(summary: &Summary, faces: usize, exchange: &Exchange) -> String {
     let Summary { solver, series, energy, closure, .. } = summary;
     let channels =
         if summary.channels == 1 { "one channel".into() } else { format!("{} channels", summary.channels) };
+    let (elements, bounds) = match exchange.basis() {
+        Basis::Constant => ("", ["error at most", "of the brightest patch, condition at most"]),
+        Basis::Linear => (", linear", ["error about", "of the root mean square, condition about"]),
+    };
     let mut lines = vec![
-        format!("{}: {faces} faces, {} patches, {channels}\n", summary.scene, summary.patches),
+        format!("{}: {faces} faces, {} patches{elements}, {channels}\n", summary.scene, summary.patches),
         format!(
             "form factors  {} rays a patch, {:.1} MB {}; rows close to {:.0e}, from {:.0e} before balancing",
             summary.rays,
-            bytes as f64 / 1e6,
+            exchange.bytes() as f64 / 1e6,
             summary.storage,
             closure.after,
             closure.before
         ),
         format!(
-            "solver        {}: residual {:.0e}, error at most {:.0e} of the brightest patch, condition at most {:.3}",
-            solver.name, solver.residual, solver.bound, solver.condition
+            "solver        {}: residual {:.0e}, {} {:.0e} {} {:.3}",
+            solver.name, solver.residual, bounds[0], solver.bound, bounds[1], solver.condition
         ),
         format!(
-            "series        order {}: residual {:.0e}, error at most {:.0e}; {:.0e} from {}",
-            series.order, series.residual, series.bound, series.difference, solver.name
+            "series        order {}: residual {:.0e}, {} {:.0e}; {:.0e} from {}",
+            series.order, series.residual, bounds[0], series.bound, series.difference, solver.name
         ),
         format!(
             "energy        emitted {} W, absorbed {} W, escaped {} W; imbalance {:.0e}\n",
@@ -133,8 +143,22 @@ fn report(summary: &Summary, faces: usize, bytes: u64) -> String {
             triple(energy.escaped),
             energy.imbalance
         ),
-        "  order  flux it adds (W)            residual  error at most".to_owned(),
+        format!("  order  flux it adds (W)            residual  {}", bounds[0]),
     ];
+    if summary.undershoot.share > 0.0 {
+        let [share, depth] = [summary.undershoot.share, summary.undershoot.depth].map(|part| 100.0 * part);
+        let line = format!(
+            "undershoot    below zero at corners on {share:.1} % of the area, by {depth:.2} % of the brightest at most"
+        );
+        lines.insert(lines.len() - 2, line);
+    }
+    if exchange.shrinkage() < 1.0 {
+        let kept = exchange.shrinkage();
+        lines.insert(
+            2,
+            format!("shrinkage     what varies within patches by {kept:.3}, for rays are too few for more"),
+        );
+    }
     let told = |order: usize| order <= 5 || order.is_multiple_of(10) || order == series.order;
     lines.extend(series.bounces.iter().filter(|bounce| told(bounce.order)).map(|bounce| {
         let flux = triple(bounce.flux);

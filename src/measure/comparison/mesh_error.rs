@@ -43,7 +43,8 @@ impl MeshError {
             let seed = trace.seed ^ stream;
             let mut cut =
                 Patches::new(tracer, &Tessellation { size, seed, progress: silent, ..*tessellation })?;
-            let options = TraceOptions { rays: Some(rays), seed, progress: trace.progress, ..*trace };
+            let basis = factors.basis();
+            let options = TraceOptions { rays: Some(rays), seed, basis, progress: trace.progress, ..*trace };
             let factors = FormFactors::trace(tracer, &mut cut, &options)?;
             Ok(patches.resample(&cut, &irradiance(&cut, &factors)?))
         };
@@ -69,7 +70,8 @@ const FEWEST_RAYS: u32 = 64;
 
 fn irradiance(patches: &Patches, factors: &FormFactors) -> Result<DMatrix<f64>, MeasureError> {
     let k = Transport::of(factors, patches)?;
-    Ok(conjugate_gradients(&k, &patches.sources(), &CgOptions::default())?.irradiance)
+    let e = k.basis().coefficients_of(&patches.sources());
+    Ok(conjugate_gradients(&k, &e, &CgOptions::default())?.means(k.basis()).irradiance)
 }
 
 /// The leg of a right-angled patch of middling area, metres.

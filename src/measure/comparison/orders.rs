@@ -5,6 +5,8 @@
 //!
 //! - all h ≥ 0 and K ≥ 0, so h_{k−1} ≤ θ h_{k−2} everywhere implies h_j ≤ θ h_{j−1} for all that follow, and T ≤ θ/(1−θ) h_{k−1};
 //! - ‖T‖∞ ≤ π ‖(I−K)⁻¹‖∞ ‖KᵏE‖∞, with [`Amplification`].
+//!
+//! Of linear elements, whose K has negative entries, only the second is known, in the norm √(∫ T² dA), and it is an *estimate*.
 
 use std::f64::consts::PI;
 use std::time::Instant;
@@ -13,6 +15,7 @@ use nalgebra::DMatrix;
 
 use super::super::{MeasureError, PathTraced};
 use super::Difference;
+use crate::patches::Basis;
 use crate::progress::Progress;
 use crate::solve::Amplification;
 use crate::transport::Transport;
@@ -40,19 +43,20 @@ impl Default for OrderOptions<'_> {
 pub struct OrderRow {
     /// k.
     pub order: usize,
-    /// Relative root mean square difference of irradiance from the direct solution, by patch, area-weighted.
+    /// Relative root mean square difference of irradiance from the direct solution, over all surfaces.
     pub vs_direct: f64,
     /// Difference of irradiance from the reference, by patch.
     pub vs_reference: Difference,
-    /// *Guaranteed* bound on `vs_direct` known at this order; infinite where there is none.
+    /// Bound on `vs_direct` known at this order, *guaranteed* for constant elements and *estimated* for linear ones; infinite
+    /// where there is none.
     pub bound: f64,
     /// Time for all orders up to this one, seconds.
     pub seconds: f64,
 }
 
 impl OrderRow {
-    /// Sums the series of E (n × c) until its bound is small enough, comparing each order's irradiance with the direct solution's
-    /// (n × c) and with the reference.
+    /// Sums the series of E (N × c) until its bound is small enough, comparing each order's irradiance with the direct solution's
+    /// (N × c) and, by patch, with the reference.
     ///
     /// # Errors
     /// `Cancelled`.
@@ -77,7 +81,7 @@ impl OrderRow {
             let bound = relative(series.bound());
             seconds += began.elapsed().as_secs_f64();
             let vs_direct = relative(root_mean_square(k, &(&series.sum - direct)));
-            let vs_reference = Difference::new(&series.sum, reference);
+            let vs_reference = Difference::new(&k.basis().means(&series.sum), reference);
             rows.push(Self { order: rows.len(), vs_direct, vs_reference, bound, seconds });
             if bound <= options.tolerance || rows.len() > options.order {
                 break;
@@ -122,6 +126,10 @@ impl<'k, 'f> Irradiances<'k, 'f> {
     /// Bound on the root mean square over patches and channels, area-weighted, of what is missing.
     fn bound(&self) -> f64 {
         let channels = 0..self.term.ncols();
+        if self.k.basis() == Basis::Linear {
+            let norms = mean_squares(self.k, &self.term);
+            return channels.map(|c| (PI * self.amplification.of(c)).powi(2) * norms[c]).sum::<f64>().sqrt();
+        }
         let uniform: f64 = channels
             .clone()
             .map(|c| match self.term.column(c).amax() {
@@ -151,10 +159,6 @@ fn root_mean_square(k: &Transport, field: &DMatrix<f64>) -> f64 {
 
 /// Area-weighted mean square per channel.
 fn mean_squares(k: &Transport, field: &DMatrix<f64>) -> Vec<f64> {
-    let area = k.mass();
-    let whole = area.sum();
-    field
-        .column_iter()
-        .map(|column| column.zip_fold(area, 0.0, |sum, x, a| sum + a * x * x) / whole)
-        .collect()
+    let whole = k.mass().sums().sum();
+    field.column_iter().map(|column| k.mass().norm(column).powi(2) / whole).collect()
 }

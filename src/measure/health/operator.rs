@@ -1,5 +1,7 @@
 //! The operator's health: closure, reciprocity, row sums, ‖K‖∞ and the condition of I − K.
 
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 
 use super::{Finding, Verdict};
@@ -49,7 +51,11 @@ fn closure(exchange: &Exchange, patches: &Patches) -> Finding {
         return finding;
     }
     let sums = sums(exchange);
-    let off = |i: usize| (sums[i] + exchange.escape()[i] - exchange.areas()[i]).abs() / exchange.areas()[i];
+    let off = |i: usize| {
+        let error = (sums[i] + exchange.escape()[i] - exchange.areas()[i]).abs();
+        error / exchange.areas()[i]
+    };
+    let off = |patch: usize| coefficients(exchange, patch).map(off).fold(0.0, f64::max);
     let verdict = if value < TOLERABLE { Verdict::Fair } else { Verdict::Bad };
     let remedy =
         "too few rays to share out all light between these faces and what they see: trace more (--rays)";
@@ -71,7 +77,8 @@ fn reciprocity(exchange: &Exchange) -> Finding {
 fn row_sums(exchange: &Exchange, patches: &Patches) -> Finding {
     let sums = sums(exchange);
     let sum = |i: usize| sums[i] / exchange.areas()[i];
-    let value = (0..exchange.len()).map(sum).fold(0.0, f64::max);
+    let sum = |patch: usize| coefficients(exchange, patch).map(sum).fold(0.0, f64::max);
+    let value = (0..patches.len()).map(sum).fold(0.0, f64::max);
     let finding = Finding::good("row sums", value, Some("at most"));
     if value <= 1.0 + ROUNDING {
         return finding;
@@ -125,6 +132,12 @@ fn brightest<'s>(patches: &Patches<'s>) -> (&'s str, f64) {
     let faces = (0..patches.len()).map(|i| patches.place(i).face);
     let brightest = faces.max_by(|&a, &b| most(a).total_cmp(&most(b)));
     brightest.map_or(("nothing", 0.0), |face| (&scene.material_of(face).name, most(face)))
+}
+
+/// The coefficients of a patch.
+fn coefficients(exchange: &Exchange, patch: usize) -> Range<usize> {
+    let each = exchange.basis().coefficients();
+    each * patch..each * (patch + 1)
 }
 
 /// Σ_j S_ij.

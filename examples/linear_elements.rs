@@ -1,0 +1,69 @@
+//! Constant and linear elements on the same patches and rays, against an independent renderer (Mitsuba 3.9.1): a folded white
+//! corridor, where light turns corners, and two rooms joined by a door.
+//!
+//! `cargo run --release --example linear_elements`
+
+use std::time::Instant;
+
+use radiosity::measure::{ReferenceRow, RelativeRms};
+use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::scene::{Scene, Side};
+use radiosity::solve::{self, CgOptions};
+use radiosity::trace::Tracer;
+use radiosity::transport::{FormFactors, TraceOptions, Transport};
+
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    println!(
+        "scene     patches  basis     seconds  megabytes  relative RMS error by face  (noise of the reference)"
+    );
+    let corridor = [1.0, 0.5, 0.25].map(|edge| ("corridor", PatchSize::Edge(edge)));
+    for (name, size) in corridor.into_iter().chain([("gallery", PatchSize::Count(8000))]) {
+        let [constant, linear] = [Basis::Constant, Basis::Linear].map(|basis| error(name, size, basis));
+        let (constant, linear) = (constant?, linear?);
+        assert!(linear < 0.8 * constant, "{name}: linear elements should err less than constant ones");
+    }
+    Ok(())
+}
+
+/// Solves a scene and compares irradiance by face.
+fn error(name: &str, size: PatchSize, basis: Basis) -> Result<f64, Box<dyn std::error::Error>> {
+    let reference = read_reference(&format!("{FOLDER}/{name}.csv"))?;
+    let start = Instant::now();
+    let scene = Scene::load(format!("{FOLDER}/{name}.obj"))?;
+    let tracer = Tracer::new(&scene);
+    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() })?;
+    let options = TraceOptions { basis, rays: Some(512), ..Default::default() };
+    let factors = FormFactors::trace(&tracer, &mut patches, &options)?;
+    let k = Transport::of(&factors, &patches)?;
+    let e = basis.coefficients_of(&patches.sources());
+    let solution = solve::conjugate_gradients(&k, &e, &CgOptions::default())?.means(basis);
+    let seconds = start.elapsed().as_secs_f64();
+    let rms = RelativeRms::of(&patches.average_by_face(&solution.irradiance), &reference);
+    let (n, megabytes) = (patches.len(), factors.exchange().bytes() as f64 / 1e6);
+    let (error, noise) = (100.0 * rms.value, 100.0 * rms.noise);
+    println!(
+        "{name:8}  {n:7}  {:8}  {seconds:7.2}  {megabytes:9.1}  {error:24.2} %  {noise:.2} %",
+        basis.name()
+    );
+    Ok(rms.value)
+}
+
+/// Reads `face,side,area,E_r,E_g,E_b,se_r,se_g,se_b`.
+fn read_reference(path: &str) -> Result<Vec<ReferenceRow>, Box<dyn std::error::Error>> {
+    let mut rows = Vec::new();
+    for record in csv::Reader::from_path(path)?.records() {
+        let record = record?;
+        let number = |k: usize| record[k].parse::<f64>();
+        let numbers = |columns: std::ops::Range<usize>| columns.map(number).collect::<Result<Vec<_>, _>>();
+        let side = if &record[1] == "front" { Side::Front } else { Side::Back };
+        rows.push(ReferenceRow {
+            face: record[0].parse()?,
+            side,
+            mean: numbers(3..6)?,
+            standard_error: numbers(6..9)?,
+        });
+    }
+    Ok(rows)
+}

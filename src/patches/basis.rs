@@ -1,0 +1,52 @@
+//! Basis: how a field varies over a patch, and so what the entries of a vector are.
+//!
+//! A field is Σ x_ia φ_a over the coefficients a of every patch i. Coefficients of a patch follow one another, patches come in
+//! their order, and basis functions are non-negative and sum to 1: a field whose coefficients are all 1 is 1 everywhere.
+
+use nalgebra::DMatrix;
+
+/// How a field varies over a patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Basis {
+    /// Not at all: one coefficient, the field's value.
+    #[default]
+    Constant,
+    /// Linearly, and free to jump from patch to patch: three coefficients, the field's values at the patch's corners in
+    /// the order of [`Patches::corners`](super::Patches::corners).
+    Linear,
+}
+
+impl Basis {
+    /// Number of coefficients a patch.
+    pub fn coefficients(self) -> usize {
+        match self {
+            Self::Constant => 1,
+            Self::Linear => 3,
+        }
+    }
+
+    /// `constant` or `linear`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Linear => "linear",
+        }
+    }
+
+    /// The coefficients of a field that has one value per patch (n × c).
+    pub fn coefficients_of(self, values: &DMatrix<f64>) -> DMatrix<f64> {
+        let each = self.coefficients();
+        DMatrix::from_fn(each * values.nrows(), values.ncols(), |k, c| values[(k / each, c)])
+    }
+
+    /// The mean over each patch (n × c) of a field given by its coefficients.
+    ///
+    /// # Panics
+    /// If the number of rows is no multiple of the coefficients a patch.
+    pub fn means(self, field: &DMatrix<f64>) -> DMatrix<f64> {
+        let each = self.coefficients();
+        assert_eq!(field.nrows() % each, 0, "{each} coefficients a patch");
+        let of = |i: usize, c: usize| field.view((each * i, c), (each, 1)).sum() / each as f64;
+        DMatrix::from_fn(field.nrows() / each, field.ncols(), of)
+    }
+}

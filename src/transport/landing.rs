@@ -1,0 +1,79 @@
+//! Landing: where one ray left a patch and where it met another, for elements that vary over a patch.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::patches::Barycentrics;
+
+/// A place in a patch, to 1/256 of its legs: far less than what separates a patch's rays from each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub(super) struct Spot([u8; 2]);
+
+impl Spot {
+    /// Steps along a leg.
+    pub const STEPS: f64 = 256.0;
+
+    /// The place with these weights of the second and third corner, none negative and their sum 1 at most.
+    pub fn at([u, v]: Barycentrics) -> Self {
+        let u = (u * Self::STEPS).min(Self::STEPS - 1.0) as u8;
+        // Rounding must not carry it over the third side.
+        let v = (v * Self::STEPS).min(Self::STEPS - 1.0 - f64::from(u)) as u8;
+        Self([u, v])
+    }
+
+    /// Steps from the first corner towards the second and the third.
+    #[inline]
+    pub fn steps(self) -> [f64; 2] {
+        self.0.map(f64::from)
+    }
+
+    /// Weights of the three corners, none negative.
+    #[inline]
+    pub fn weights(self) -> [f64; 3] {
+        Self::weights_of(self.steps(), 1.0)
+    }
+
+    /// The weights of corners summed over places: linear in the places' steps, and in their number.
+    #[inline]
+    pub fn weights_of(steps: [f64; 2], places: f64) -> [f64; 3] {
+        // A place stands for the middle of the steps it was rounded down from.
+        let [u, v] = steps.map(|steps| (steps + 0.5 * places) / Self::STEPS);
+        [places - u - v, u, v]
+    }
+}
+
+/// A ray between a patch and another, seen from the first of them; which of the two sent it does not matter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct Landing {
+    /// The other patch.
+    pub partner: u32,
+    /// The ray's end in this patch.
+    pub here: Spot,
+    /// The ray's end in the other.
+    pub there: Spot,
+}
+
+impl Landing {
+    /// The same ray seen from its other end; `patch` is this one.
+    pub fn seen_from_there(self, patch: u32) -> Self {
+        Self { partner: patch, here: self.there, there: self.here }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spot_is_where_it_was_put_and_never_outside() {
+        let at = |u: f64, v: f64| Spot::at([u, v]).weights();
+        for (u, v) in
+            [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (1.0 / 3.0, 1.0 / 3.0), (0.999999, 1e-6)]
+        {
+            let [a, b, c] = at(u, v);
+            assert!(a >= 0.0 && b > 0.0 && c > 0.0 && a + b + c == 1.0, "{a} {b} {c}");
+            assert!((b - u).abs() <= 1.0 / 256.0 && (c - v).abs() <= 1.0 / 256.0, "{u} {v}: {b} {c}");
+        }
+    }
+}
