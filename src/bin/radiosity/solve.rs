@@ -63,7 +63,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let means = solution.clone().means(basis);
     let (irradiance, radiance) = (&means.irradiance, &means.radiance);
     let picture = output::render(&tracer, &patches, radiance, &camera, &look)?;
-    args.picture.warn_if_black(&picture, terminal);
+    args::warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;
     let exposure = args.picture.exposure(&picture);
     let mut outputs = args.scene.outputs(&scene)?;
