@@ -8,22 +8,23 @@ use std::io::{self, Write};
 use glam::DVec3;
 use nalgebra::DMatrix;
 
+use super::limiter::limited;
 use super::tone::to_rgb;
 use super::{Exposure, SmoothField};
-use crate::patches::Patches;
+use crate::patches::{Basis, Patches};
 use crate::scene::Side;
 use crate::trace::Tracer;
 
 /// Coordinates are written as f64 where the scene lies more than so many sizes from the origin, else as f32.
 const FAR: f64 = 1e4;
 
-/// Writes the patches with their `radiance` (n × c) as exposed sRGB vertex colours: binary PLY, metres.
+/// Writes the patches with their `radiance` (N × c, N = n or 3n) as exposed sRGB vertex colours: binary PLY, metres.
 ///
 /// # Errors
 /// Those of `writer`.
 ///
 /// # Panics
-/// If `radiance` has not n rows.
+/// If `radiance` has neither n nor 3n rows.
 pub fn write_ply(
     writer: &mut dyn Write,
     tracer: &Tracer,
@@ -31,7 +32,7 @@ pub fn write_ply(
     radiance: &DMatrix<f64>,
     exposure: Exposure,
 ) -> io::Result<()> {
-    let field = SmoothField::new(tracer, patches, radiance);
+    let field = SmoothField::new(tracer, patches, &limited(Basis::of(patches, radiance), radiance));
     let frame = tracer.frame();
     let number =
         if frame.to_world(DVec3::ZERO).length() > FAR * frame.scale() { Number::F64 } else { Number::F32 };

@@ -10,6 +10,7 @@ mod figure;
 mod file;
 mod form_factors;
 mod image;
+mod limiter;
 mod mesh;
 mod npz;
 mod picture;

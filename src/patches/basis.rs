@@ -5,6 +5,8 @@
 
 use nalgebra::DMatrix;
 
+use super::Patches;
+
 /// How a field varies over a patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Basis {
@@ -23,6 +25,17 @@ impl Basis {
             Self::Constant => 1,
             Self::Linear => 3,
         }
+    }
+
+    /// The basis of a field over n patches: a row each is constant, three rows are linear.
+    ///
+    /// # Panics
+    /// If `field` has neither n nor 3n rows.
+    pub fn of(patches: &Patches, field: &DMatrix<f64>) -> Self {
+        let (n, rows) = (patches.len(), field.nrows());
+        let fits = |basis: &Self| basis.coefficients() * n == rows;
+        let basis = [Self::Constant, Self::Linear].into_iter().find(fits);
+        basis.unwrap_or_else(|| panic!("{rows} rows are no field over {n} patches"))
     }
 
     /// `constant` or `linear`.
