@@ -1,8 +1,8 @@
 //! Limiter: a field of linear elements made fit to be seen, x_a ← m + θ (x_a − m) with m the patch's mean.
 //!
-//! Beside a shadow's edge a patch may pass below zero at a corner, which would be a black spot where light fades. Such a patch keeps
-//! its mean and is tilted less, by the largest θ ≤ 1 at which no corner is darker than [`DARKEST`] (Zhang & Shu 2010, eq. 2.9). All
-//! others stay as they were solved.
+//! Beside a shadow's edge the straight line that fits a patch best may pass below zero at a corner, or come near it: black spots
+//! where light only fades. Such a patch keeps its mean and is tilted less, by the largest θ ≤ 1 at which no corner is darker
+//! than [`DARKEST`]; the scaling limiter of Zhang & Shu (2010) with another floor. All others stay as they were solved.
 
 use std::borrow::Cow;
 
@@ -10,8 +10,9 @@ use nalgebra::DMatrix;
 
 use crate::patches::Basis;
 
-/// The darkest that a corner below zero is shown, as a share of its patch's mean.
-const DARKEST: f64 = 0.05;
+/// The darkest that a corner is shown, as a share of its patch's mean. At a twentieth spots still look black, at two fifths patches
+/// look flat.
+const DARKEST: f64 = 0.2;
 
 /// The field as it is shown, by coefficients (N × c). Constant elements are shown as they are.
 pub(super) fn limited(basis: Basis, field: &DMatrix<f64>) -> Cow<'_, DMatrix<f64>> {
@@ -49,8 +50,8 @@ mod tests {
     }
 
     #[test]
-    fn patches_above_zero_stay_as_they_are() {
-        for corners in [[1.0, 2.0, 3.0], [0.0; 3], [0.1, 1.0, 0.2], [7.0; 3]] {
+    fn patches_with_light_at_every_corner_stay_as_they_are() {
+        for corners in [[1.0, 2.0, 3.0], [0.0; 3], [0.2, 1.0, 0.4], [7.0; 3]] {
             assert_eq!(shown(corners), corners);
         }
     }

@@ -63,3 +63,28 @@ impl Basis {
         DMatrix::from_fn(field.nrows() / each, field.ncols(), of)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Patches, Tessellation};
+    use super::*;
+    use crate::scene::Scene;
+    use crate::trace::Tracer;
+
+    #[test]
+    fn the_number_of_rows_tells_the_basis() {
+        let scene = Scene::cornell_box();
+        let patches = Patches::new(&Tracer::new(&scene), &Tessellation::default()).unwrap();
+        for basis in [Basis::Constant, Basis::Linear] {
+            assert_eq!(Basis::of(&patches, &basis.coefficients_of(&patches.sources())), basis);
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "no field over")]
+    fn refuses_fields_of_other_patches() {
+        let scene = Scene::cornell_box();
+        let patches = Patches::new(&Tracer::new(&scene), &Tessellation::default()).unwrap();
+        Basis::of(&patches, &DMatrix::zeros(2 * patches.len(), 3));
+    }
+}
