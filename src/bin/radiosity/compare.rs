@@ -119,9 +119,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("series", 0.0)?;
     let limits = OrderOptions { tolerance: args.solver.tolerance, order: args.solver.order, progress };
     let orders = OrderRow::all(&k, &sources, &direct.irradiance, &reference, &amplification, &limits)?;
-    // Pictures and tables show the means over patches.
-    let direct = direct.means(basis);
-    let comparison = Comparison::new(&patches, &direct.irradiance, &reference, &mesh);
+    // Tables have the means over patches.
+    let irradiance = &basis.means(&direct.irradiance);
+    let comparison = Comparison::new(&patches, irradiance, &reference, &mesh);
 
     let camera = args::camera(&tracer, &patches);
     let picture = |shading| {
@@ -130,12 +130,10 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let [matrix, traced] = [picture(Shading::Smooth)?, picture(Shading::Path)?];
     args::warn_if_black(&matrix, terminal);
     let terms = solve::bounces(&k, &sources, LAST_PICTURE.min(orders.len().max(2) - 1));
-    let terms: Vec<_> = terms.iter().map(|term| basis.means(term)).collect();
     let bounces = BouncePictures::render(&tracer, &patches, &terms, &camera, &look)?;
 
     progress.at("write", 0.0)?;
     let mut outputs = args.scene.outputs(&scene)?;
-    let irradiance = &direct.irradiance;
     outputs.file("comparison.csv", |file| {
         output::write_comparison_table(file, &patches, irradiance, &reference, &mesh)
     })?;
