@@ -60,7 +60,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
 
     let camera = args::camera(&tracer, &patches);
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
-    args.picture.warn_if_black(&picture, terminal);
+    args::warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;
     let exposure = args.picture.exposure(&picture);
     let mut outputs = args.scene.outputs(&scene)?;
