@@ -8,7 +8,7 @@
 //! directly, or as the Neumann series, one bounce of light after another.
 //!
 //! ```
-//! use radiosity::{measure::Energy, output, patches::*, scene::Scene, solve, trace::Tracer, transport::*};
+//! use radiosity::{measure::*, output, patches::*, scene::Scene, solve, trace::Tracer, transport::*};
 //!
 //! # fn main() -> Result<(), radiosity::Error> {
 //! let scene = Scene::cornell_box(); // or Scene::load("room.obj")?
@@ -30,6 +30,12 @@
 //!
 //! let energy = Energy::new(&k, &e, &exact.radiance, 1.0);
 //! assert!(energy.imbalance < 1e-12);
+//!
+//! // Ask an independent witness, who knows its own standard error.
+//! let budget = Budget { paths: Some(50_000), ..Default::default() };
+//! let truth = PathTracer::new(&tracer).irradiance(&patches, &PathOptions { budget, ..Default::default() })?;
+//! let difference = Difference::new(&exact.irradiance, &truth);
+//! assert!(difference.rms < 0.1 && difference.bias.abs() < 0.02 + 3.0 * difference.bias_error);
 //!
 //! let camera = output::default_camera(&tracer, &patches);
 //! let options = output::RenderOptions { width: 80, height: 60, ..Default::default() };
