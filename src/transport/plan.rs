@@ -57,6 +57,22 @@ impl Plan {
             (true, false) => effect("caustics", false, "no lamp"),
             (true, true) => effect("caustics", true, "light shot from lamps through mirrors and glass"),
         };
+        let coloured: Vec<&str> = used
+            .iter()
+            .filter(|m| m.surface.colour().is_some_and(|colour| colour.iter().any(|&x| x != colour[0])))
+            .map(|m| m.name.as_str())
+            .collect();
+        let carrier_colour = match coloured.len() {
+            0 => effect("carrier colour", false, "no coloured mirror or glass"),
+            _ => Effect {
+                effect: "carrier colour",
+                on: false,
+                reason: format!(
+                    "not simulated yet; light between surfaces takes the mean of the channels of {}",
+                    coloured.join(", ")
+                ),
+            },
+        };
         Self {
             effects: vec![
                 effect(
@@ -78,6 +94,7 @@ impl Plan {
                     matches!(surface, Surface::Dielectric { .. })
                 }),
                 caustics,
+                carrier_colour,
                 called_for("gloss", "rough conductor or plastic", &|k| {
                     scene.materials()[k].surface == Surface::Glossy
                 }),
