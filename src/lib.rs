@@ -57,9 +57,13 @@
 //!
 //! with n patches and c channels: three of colour, or one where all channels agree. With linear elements
 //! ([`Basis::Linear`](patches::Basis)) every patch has three coefficients in the place of one, the field's values at its corners:
-//! vectors are 3n × c, S_(ia)(jb) = ∫∫ φ_a φ_b dF dA, and M⁻¹S stands for F, with the mass M_(ia)(ib) = ∫ φ_a φ_b dA. *Order k* of the series is
-//! L_k = Lₑ + ρH_k/π with H_k = πF L_{k−1}; *bounce k* is KᵏE, what order k adds. A *guaranteed* bound holds for the operator at
-//! hand in exact arithmetic; it does not speak of how well that operator stands for the scene.
+//! vectors are 3n × c, S_(ia)(jb) = ∫∫ φ_a φ_b dF dA, and M⁻¹S stands for F, with the mass M_(ia)(ib) = ∫ φ_a φ_b dA; pictures and
+//! meshes take either. *Order k* of the series is L_k = Lₑ + ρH_k/π with H_k = πF L_{k−1}; *bounce k* is KᵏE, what order k adds.
+//! A *guaranteed* bound holds for the operator at hand in exact arithmetic; it does not speak of how well that operator stands
+//! for the scene.
+//!
+//! Mirrors and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
+//! beside it.
 //!
 //! # The way through the house
 //!

@@ -282,4 +282,14 @@ fn the_plan_simulates_what_mirrors_and_glass_call_for() {
     assert_eq!(on("meshes/mirror_room.obj"), ["mirror", "caustics"]);
     assert_eq!(on("meshes/glass_balls.obj"), ["dielectric", "caustics"]);
     assert_eq!(on("meshes/cornell_box.obj"), [""; 0]);
+    // What is not carried is said.
+    let missing = |ks: [f64; 3]| {
+        let walls = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
+        Plan::new(&quads(&walls, vec![Material::mirror("gold", &ks)]))
+            .missing()
+            .map(|e| e.reason.clone())
+            .collect::<String>()
+    };
+    assert!(missing([0.9, 0.8, 0.3]).contains("gold"));
+    assert_eq!(missing([0.9; 3]), "");
 }

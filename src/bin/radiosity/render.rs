@@ -34,12 +34,11 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let tracer = Tracer::new(&scene);
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
-    let basis = factors.basis();
-    let sources = basis.coefficients_of(&patches.sources());
-    let solution = solve::solve(&k, &sources, &args.solver.options(&args.run, progress))?.means(basis);
+    let sources = factors.basis().coefficients_of(&patches.sources());
+    let solution = solve::solve(&k, &sources, &args.solver.options(&args.run, progress))?;
     let camera = args::camera(&tracer, &patches);
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
-    args.picture.warn_if_black(&picture, terminal);
+    args::warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;
     let mut outputs = args.scene.outputs(&scene)?;
     args.picture.write(&picture, &mut outputs)?;

@@ -59,17 +59,18 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let series = solve::neumann(&k, &sources, &NeumannOptions { order, tolerance, amplification, progress })?;
 
     let camera = args::camera(&tracer, &patches);
-    // Tables and pictures show the means over patches.
-    let means = solution.clone().means(basis);
-    let (irradiance, radiance) = (&means.irradiance, &means.radiance);
-    let picture = output::render(&tracer, &patches, radiance, &camera, &look)?;
-    args.picture.warn_if_black(&picture, terminal);
+    let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
+    args::warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;
     let exposure = args.picture.exposure(&picture);
     let mut outputs = args.scene.outputs(&scene)?;
+    // Tables have the means over patches.
+    let means = solution.clone().means(basis);
+    let (irradiance, radiance) = (&means.irradiance, &means.radiance);
     outputs.file("faces.csv", |file| output::write_faces(file, &patches, irradiance, radiance))?;
     outputs.file("patches.csv", |file| output::write_patches(file, &patches, irradiance, radiance))?;
-    outputs.file("mesh.ply", |file| output::write_ply(file, &tracer, &patches, radiance, exposure))?;
+    outputs
+        .file("mesh.ply", |file| output::write_ply(file, &tracer, &patches, &solution.radiance, exposure))?;
     if args.lamp_groups {
         let lamps: Vec<_> = groups.iter().map(|g| g.material.as_str()).zip(&by_group).collect();
         outputs.file("lamp_groups.csv", |file| output::write_lamp_groups(file, &patches, &lamps))?;
