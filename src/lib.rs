@@ -68,6 +68,9 @@
 //! A *guaranteed* bound holds for the operator at hand in exact arithmetic; it does not speak of how well that operator stands
 //! for the scene.
 //!
+//! Mirrors and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
+//! beside it.
+//!
 //! # The way through the house
 //!
 //! Data flows one way, and a module imports only from those to its left:

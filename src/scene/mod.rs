@@ -6,6 +6,7 @@
 
 mod builtin;
 mod camera;
+mod glass;
 mod lines;
 mod material;
 mod mtl;
@@ -217,10 +218,7 @@ impl Scene {
         let mut channels = check_materials(&materials)?;
         if materials.iter().all(Material::is_grey) {
             channels = 1;
-            for material in &mut materials {
-                material.reflectance.truncate(1);
-                material.emission.truncate(1);
-            }
+            materials.iter_mut().for_each(Material::keep_one_channel);
         }
         if camera.is_some_and(|camera| !camera.is_valid()) {
             return Err(SceneError::Camera);
@@ -229,6 +227,7 @@ impl Scene {
         if faces.iter().all(|face| face.state != FaceState::Kept) {
             return Err(SceneError::NoArea { name });
         }
+        glass::warn_of_missing_insides(&faces, &vertices, &materials, &mut warnings);
         Ok(Self { name, vertices, normals, faces, materials, objects, camera, channels, warnings })
     }
 
@@ -282,6 +281,16 @@ impl Scene {
         &self.materials[self.faces[face].material as usize]
     }
 
+    /// Whether a face takes part and is a carrier: a mirror or glass.
+    pub fn is_carrier(&self, face: usize) -> bool {
+        self.faces[face].state == FaceState::Kept && self.material_of(face).surface.is_carrier()
+    }
+
+    /// Whether a face takes part and spreads light diffusely: then it is cut into patches.
+    pub fn is_diffuse(&self, face: usize) -> bool {
+        self.faces[face].state == FaceState::Kept && !self.material_of(face).surface.is_carrier()
+    }
+
     /// The corners of a face, metres.
     pub fn corners(&self, face: usize) -> [DVec3; 3] {
         self.faces[face].vertices.map(|v| self.vertices[v as usize])
@@ -327,8 +336,9 @@ fn check_materials(materials: &[Material]) -> Result<usize, SceneError> {
     let channels = materials.first().map_or(1, |m| m.reflectance.len());
     for material in materials {
         let error = |message| SceneError::Material { material: material.name.clone(), message };
-        if channels == 0 || material.reflectance.len() != channels || material.emission.len() != channels {
-            let message = format!("every reflectance and emission must have {} channels", channels.max(1));
+        if channels == 0 || !material.has_channels(channels) {
+            let message =
+                format!("every reflectance, emission and filter must have {} channels", channels.max(1));
             return Err(error(message));
         }
         material.check().map_err(error)?;

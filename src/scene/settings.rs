@@ -7,7 +7,7 @@ use glam::DVec3;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Camera, SceneError, SceneParts};
+use super::{Camera, SceneError, SceneParts, Surface};
 
 /// The content of a scene's `.toml`.
 #[derive(Debug, Deserialize)]
@@ -96,7 +96,10 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
         };
         let MaterialSettings { reflectance, emission } = given.get_ref();
         if let Some(reflectance) = reflectance {
-            material.reflectance = reflectance.channels();
+            match &mut material.surface {
+                Surface::Mirror { reflectance: mirrored } => *mirrored = reflectance.channels(),
+                _ => material.reflectance = reflectance.channels(),
+            }
         }
         if let Some(emission) = emission {
             material.emission = emission.channels();

@@ -62,7 +62,7 @@ impl Default for PathOptions<'_> {
     }
 }
 
-/// A path tracer for diffuse scenes.
+/// A path tracer for scenes of diffuse surfaces, mirrors and glass.
 #[derive(Debug)]
 pub struct PathTracer<'t, 's> {
     walker: Walker<'t, 's>,
@@ -82,12 +82,22 @@ impl<'t, 's> PathTracer<'t, 's> {
     pub fn add_radiance(&self, ray: &Ray, sequence: Sequence, k: u32, radiance: &mut [f64]) -> Option<Hit> {
         let walker = &self.walker;
         assert_eq!(radiance.len(), walker.channels, "a value per channel");
-        let hit = walker.tracer.closest_hit(ray)?;
+        let first = walker.tracer.closest_hit(ray)?;
+        let mut numbers = Numbers { sequence, point: k, set: 1 };
+        let mut colour = vec![1.0; walker.channels];
+        let hit = if walker.tracer.is_carrier(first.face) {
+            match walker.beyond_carriers(*ray, first, &mut numbers, &mut colour) {
+                Some(hit) => hit,
+                None => return Some(first),
+            }
+        } else {
+            first
+        };
         if hit.side == Side::Front {
-            radiance.iter_mut().zip(walker.emission(hit.face)).for_each(|(sum, e)| *sum += e);
+            let seen = walker.emission(hit.face).iter().zip(&colour);
+            radiance.iter_mut().zip(seen).for_each(|(sum, (e, colour))| *sum += e * colour);
         }
         let rho = walker.reflectance(hit.face);
-        let mut numbers = Numbers { sequence, point: k, set: 1 };
         let [s, t, ..] = numbers.next();
         let mut weight = vec![0.0; walker.channels];
         let place = Place::of(walker.tracer, &hit);
@@ -99,11 +109,11 @@ impl<'t, 's> PathTracer<'t, 's> {
             usize::MAX,
             |_, part, weight, emission| {
                 for (c, sum) in radiance.iter_mut().enumerate() {
-                    *sum += FRAC_1_PI * rho[c] * part * weight[c] * emission[c];
+                    *sum += FRAC_1_PI * colour[c] * rho[c] * part * weight[c] * emission[c];
                 }
             },
         );
-        Some(hit)
+        Some(first)
     }
 
     /// Estimates the irradiance of every patch until the budget is used up.
