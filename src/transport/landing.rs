@@ -19,10 +19,16 @@ impl End {
     /// Slots are fewer than 2³¹; this bit is set where a ray came by way of carriers.
     const CARRIED: u32 = 1 << 31;
 
-    /// On a slot.
+    /// On a slot, straight.
     #[inline]
-    pub fn on(slot: u32, carried: bool) -> Self {
-        Self(if carried { slot | Self::CARRIED } else { slot })
+    pub fn on(slot: u32) -> Self {
+        Self(slot)
+    }
+
+    /// On a slot, by way of carriers.
+    #[inline]
+    pub fn carried_to(slot: u32) -> Self {
+        Self(slot | Self::CARRIED)
     }
 
     /// The slot, if it is on one.

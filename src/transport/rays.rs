@@ -195,7 +195,7 @@ pub(super) fn end_of(
     match tracer.destination(ray, numbers, survives) {
         Destination::Diffuse { hit, carried } => {
             let slot = patches.slot_at(hit.face as usize, hit.side, hit.barycentrics);
-            (End::on(slot, carried), Some(hit))
+            (if carried { End::carried_to(slot) } else { End::on(slot) }, Some(hit))
         }
         Destination::Away(_) => (End::AWAY, None),
         Destination::Absorbed => (End::ABSORBED, None),
