@@ -76,7 +76,7 @@ pub struct PlanEntry {
 /// A stage of the run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Stage {
-    /// load, build, patch, trace, balance, errors, factor, solve, series, render or write.
+    /// load, build, patch, trace, balance, light, errors, factor, solve, series, render or write.
     pub name: &'static str,
     /// Wall-clock time.
     pub seconds: f64,
@@ -141,7 +141,7 @@ impl From<Effect> for PlanEntry {
 /// [`Energy`] with three numbers a term, whatever the number of channels.
 #[derive(Clone, Debug, Serialize)]
 pub struct EnergySummary {
-    /// What lamps emit.
+    /// What lamps emit and lights without area deliver.
     pub emitted: [f64; 3],
     /// What diffuse surfaces absorb.
     pub absorbed: [f64; 3],

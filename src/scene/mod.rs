@@ -6,11 +6,15 @@
 
 mod builtin;
 mod camera;
+mod light;
+mod light_settings;
 mod lines;
 mod material;
 mod mtl;
 mod obj;
+mod photometry;
 mod settings;
+mod sky;
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -19,7 +23,10 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 pub use camera::Camera;
+pub use light::Light;
 pub use material::{Material, Surface};
+pub use photometry::{EFFICACY, luminance};
+pub use sky::{Sky, SkyKind, SkyShares};
 
 /// One of the two sides of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -69,7 +76,7 @@ pub struct Face {
     pub state: FaceState,
 }
 
-/// A validated world: triangles, materials, camera.
+/// A validated world: triangles, materials, lights, camera.
 #[derive(Clone, Debug)]
 pub struct Scene {
     name: String,
@@ -79,6 +86,8 @@ pub struct Scene {
     materials: Vec<Material>,
     objects: Vec<String>,
     camera: Option<Camera>,
+    lights: Vec<Light>,
+    sky: Option<Sky>,
     channels: usize,
     warnings: Vec<String>,
 }
@@ -100,6 +109,10 @@ pub struct SceneParts {
     pub objects: Vec<String>,
     /// The camera the scene asks for.
     pub camera: Option<Camera>,
+    /// Lights without area, with as many channels as the materials.
+    pub lights: Vec<Light>,
+    /// The sky around it, with as many channels as the materials.
+    pub sky: Option<Sky>,
     /// What the reader noticed and the user should know.
     pub warnings: Vec<String>,
 }
@@ -171,6 +184,14 @@ pub enum SceneError {
         /// What is wrong and what to do.
         message: String,
     },
+    /// A light or the sky makes no sense.
+    #[error("{light}: {message}")]
+    Light {
+        /// Which.
+        light: String,
+        /// What is wrong and what to do.
+        message: String,
+    },
     /// The camera can't make a picture.
     #[error(
         "camera: position and target must differ, up must not be zero, and fov must lie between 0 and 180 degrees"
@@ -178,7 +199,7 @@ pub enum SceneError {
     Camera,
     /// Nothing emits, so there is nothing to solve.
     #[error(
-        "{name}: no light at all; give a material an emission (Ke in the MTL file, or `emission` in the scene's .toml)"
+        "{name}: no light at all; give a material an emission (Ke in the MTL file, or `emission` in the scene's .toml), or add a [[light]] or a [sky] there"
     )]
     NoLight {
         /// The scene.
@@ -203,24 +224,30 @@ impl Scene {
     /// Checks the parts and makes a scene of them.
     ///
     /// Zero-area and duplicate faces are marked as dropped and counted in a warning; where all
-    /// channels of all materials agree the scene keeps one channel.
+    /// channels of all materials and lights agree the scene keeps one channel.
     ///
     /// # Errors
-    /// `NoFaces`, `NoArea`, `Face`, `Material` or `Camera`.
+    /// `NoFaces`, `NoArea`, `Face`, `Material`, `Light` or `Camera`.
     pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
-        let SceneParts { name, vertices, normals, mut faces, mut materials, objects, camera, mut warnings } =
-            parts;
+        let SceneParts { name, vertices, normals, mut faces, mut materials, objects, .. } = parts;
+        let SceneParts { camera, mut lights, mut sky, mut warnings, .. } = parts;
         if faces.is_empty() {
             return Err(SceneError::NoFaces { name });
         }
         check_faces(&faces, &vertices, &normals, materials.len(), objects.len())?;
         let mut channels = check_materials(&materials)?;
-        if materials.iter().all(Material::is_grey) {
+        check_lights(&lights, sky.as_ref(), channels)?;
+        let powers = || lights.iter().map(Light::power).chain(sky.as_ref().map(|sky| sky.zenith.as_slice()));
+        if materials.iter().all(Material::is_grey)
+            && powers().all(|power| power.iter().all(|x| *x == power[0]))
+        {
             channels = 1;
             for material in &mut materials {
                 material.reflectance.truncate(1);
                 material.emission.truncate(1);
             }
+            lights.iter_mut().for_each(|light| light.power_mut().truncate(1));
+            sky.iter_mut().for_each(|sky| sky.zenith.truncate(1));
         }
         if camera.is_some_and(|camera| !camera.is_valid()) {
             return Err(SceneError::Camera);
@@ -229,7 +256,19 @@ impl Scene {
         if faces.iter().all(|face| face.state != FaceState::Kept) {
             return Err(SceneError::NoArea { name });
         }
-        Ok(Self { name, vertices, normals, faces, materials, objects, camera, channels, warnings })
+        Ok(Self {
+            name,
+            vertices,
+            normals,
+            faces,
+            materials,
+            objects,
+            camera,
+            lights,
+            sky,
+            channels,
+            warnings,
+        })
     }
 
     /// Name, from the file's.
@@ -267,6 +306,16 @@ impl Scene {
         self.camera.as_ref()
     }
 
+    /// Lights without area that shine.
+    pub fn lights(&self) -> impl Iterator<Item = &Light> {
+        self.lights.iter().filter(|light| light.shines())
+    }
+
+    /// The sky, if one shines.
+    pub fn sky(&self) -> Option<&Sky> {
+        self.sky.as_ref().filter(|sky| sky.shines())
+    }
+
     /// How many channels reflectance and radiance have: 1 where all agree, else those of the materials.
     pub fn channels(&self) -> usize {
         self.channels
@@ -294,6 +343,7 @@ impl Scene {
     pub fn require_light(&self) -> Result<(), SceneError> {
         let kept = |face: &&Face| face.state == FaceState::Kept;
         let lit = self.faces.iter().filter(kept).any(|f| self.materials[f.material as usize].emits());
+        let lit = lit || self.lights().next().is_some() || self.sky().is_some();
         if lit { Ok(()) } else { Err(SceneError::NoLight { name: self.name.clone() }) }
     }
 }
@@ -334,6 +384,15 @@ fn check_materials(materials: &[Material]) -> Result<usize, SceneError> {
         material.check().map_err(error)?;
     }
     Ok(channels)
+}
+
+fn check_lights(lights: &[Light], sky: Option<&Sky>, channels: usize) -> Result<(), SceneError> {
+    for (number, light) in lights.iter().enumerate() {
+        let error = |message| SceneError::Light { light: format!("light {}", number + 1), message };
+        light.check(channels).map_err(error)?;
+    }
+    let error = |message| SceneError::Light { light: "sky".into(), message };
+    sky.map_or(Ok(()), |sky| sky.check(channels).map_err(error))
 }
 
 /// Marks zero-area faces and exact duplicates, and says how many there were.

@@ -7,6 +7,8 @@ use glam::DVec3;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::light_settings::{LightSettings, SkySettings};
+use super::photometry::EFFICACY;
 use super::{Camera, SceneError, SceneParts};
 
 /// The content of a scene's `.toml`.
@@ -19,6 +21,12 @@ struct Settings {
     /// What to change of the MTL file's materials, by name.
     #[serde(default)]
     material: BTreeMap<String, Spanned<MaterialSettings>>,
+    /// Lights without area.
+    #[serde(default)]
+    light: Vec<Spanned<LightSettings>>,
+    sky: Option<Spanned<SkySettings>>,
+    /// Lumens per watt, for powers given in lumens; 683 if not given.
+    efficacy: Option<Spanned<f64>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -42,13 +50,13 @@ struct MaterialSettings {
 /// One number for every channel, or one each.
 #[derive(Debug, Deserialize)]
 #[serde(untagged, expecting = "a colour is one number, or three in brackets")]
-enum Colour {
+pub(super) enum Colour {
     Grey(f64),
     Rgb([f64; 3]),
 }
 
 impl Colour {
-    fn channels(&self) -> Vec<f64> {
+    pub fn channels(&self) -> Vec<f64> {
         match self {
             Colour::Grey(value) => vec![*value; 3],
             Colour::Rgb(values) => values.to_vec(),
@@ -56,7 +64,7 @@ impl Colour {
     }
 }
 
-fn y_up() -> [f64; 3] {
+pub(super) fn y_up() -> [f64; 3] {
     [0.0, 1.0, 0.0]
 }
 
@@ -102,6 +110,19 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
             material.emission = emission.channels();
         }
         material.check().map_err(wrong)?;
+    }
+    let efficacy = settings.efficacy.as_ref().map_or(EFFICACY, |efficacy| *efficacy.get_ref());
+    if let Some(given) = settings.efficacy.filter(|_| !(efficacy.is_finite() && efficacy > 0.0)) {
+        let message = format!("efficacy = {efficacy}: lumens per watt must be positive");
+        return Err(error(given.span().start, message));
+    }
+    for given in &settings.light {
+        let light = given.get_ref().light(unit, efficacy);
+        parts.lights.push(light.map_err(|message| error(given.span().start, format!("light: {message}")))?);
+    }
+    if let Some(given) = &settings.sky {
+        let sky = given.get_ref().sky(efficacy);
+        parts.sky = Some(sky.map_err(|message| error(given.span().start, format!("sky: {message}")))?);
     }
     Ok(())
 }

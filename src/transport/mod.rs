@@ -23,6 +23,7 @@ mod saved;
 mod sections;
 mod shrinkage;
 mod solvable;
+mod sources;
 mod storage;
 
 pub use balance::Closure;
@@ -36,6 +37,7 @@ pub use operator::Transport;
 pub use plan::{Effect, Plan};
 pub use saved::Reuse;
 pub use sections::FactorsFileError;
+pub use sources::{LightOptions, Sources};
 pub use storage::{Storage, StorageKind};
 
 use crate::patches::PatchError;

@@ -15,6 +15,22 @@ pub struct Effect {
     pub reason: String,
 }
 
+/// Lights that have a place or a direction.
+fn lights(scene: &Scene) -> Effect {
+    let number = scene.lights().count();
+    let reason = match number {
+        0 => "no light without area".into(),
+        1 => "the scene has a light without area".into(),
+        _ => format!("the scene has {number} lights without area"),
+    };
+    Effect { effect: "lights", on: number > 0, reason }
+}
+
+fn sky(scene: &Scene) -> Effect {
+    let reason = if scene.sky().is_some() { "the scene has a sky" } else { "no sky" };
+    Effect { effect: "sky", on: scene.sky().is_some(), reason: reason.into() }
+}
+
 /// What a run simulates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
@@ -59,6 +75,8 @@ impl Plan {
                         "all channels agree: one is solved"
                     },
                 ),
+                lights(scene),
+                sky(scene),
                 called_for("mirror", "mirror", &surface(Surface::Mirror)),
                 called_for("dielectric", "glass or water", &surface(Surface::Dielectric)),
                 called_for("gloss", "rough conductor or plastic", &surface(Surface::Glossy)),

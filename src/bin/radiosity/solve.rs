@@ -5,7 +5,7 @@ use radiosity::output::{self, PlanEntry, SeriesSummary, Summary};
 use radiosity::patches::Basis;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Exchange, Plan, Transport};
+use radiosity::transport::{Exchange, Plan, Sources, Transport};
 
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -19,7 +19,7 @@ pub struct Args {
     factors: FactorsArgs,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Also solve for the lamps of each material by themselves, and write lamp_groups.csv
+    /// Also solve for the lamps of each material, and for all lights without area, by themselves, and write lamp_groups.csv
     #[arg(long, help_heading = "Solver")]
     lamp_groups: bool,
 
@@ -28,6 +28,9 @@ pub struct Args {
     #[command(flatten)]
     pub run: RunArgs,
 }
+
+/// What the group of all lights without area and the sky is called.
+const LIGHTS: &str = "lights without area";
 
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
@@ -43,24 +46,33 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
-    let sources = basis.coefficients_of(&patches.sources());
+    let sources = Sources::trace(&tracer, &patches, basis, &args.factors.light(&args.run, progress))?;
+    let e = sources.right_hand_side(&k);
     // All lamps together, then each group of lamps by itself: one factorization serves them all.
     let groups = if args.lamp_groups { patches.sources_by_material() } else { Vec::new() };
-    let by_group: Vec<_> = groups.iter().map(|g| basis.coefficients_of(&g.sources)).collect();
-    let right_hand_sides: Vec<_> = std::iter::once(&sources).chain(&by_group).collect();
+    let mut of_groups: Vec<Sources> =
+        groups.iter().map(|g| basis.coefficients_of(&g.sources).into()).collect();
+    let mut names: Vec<&str> = groups.iter().map(|g| g.material.as_str()).collect();
+    if args.lamp_groups && sources.direct.is_some() {
+        of_groups.push(Sources { emitted: 0.0 * &sources.emitted, direct: sources.direct.clone() });
+        names.push(LIGHTS);
+    }
+    let by_group: Vec<_> = of_groups.iter().map(|group| group.right_hand_side(&k)).collect();
+    let right_hand_sides: Vec<_> = std::iter::once(&e).chain(&by_group).collect();
     progress.at("solve", 0.0)?;
     let amplification = Some(&Amplification::new(&k, &Default::default())?);
     let options = SolveOptions { amplification, ..args.solver.options(&args.run, progress) };
     let mut solutions = solve::solve_all(&k, &right_hand_sides, &options)?;
-    let by_group: Vec<_> = solutions.split_off(1).into_iter().map(|solution| solution.means(basis)).collect();
+    let by_group: Vec<_> = solutions.split_off(1).into_iter().zip(&of_groups).collect();
+    let by_group: Vec<_> = by_group.into_iter().map(|(one, group)| one.under(group).means(basis)).collect();
     let solution = &solutions[0];
     progress.at("series", 0.0)?;
     let (order, tolerance) = (args.solver.order, args.solver.tolerance);
-    let series = solve::neumann(&k, &sources, &NeumannOptions { order, tolerance, amplification, progress })?;
+    let series = solve::neumann(&k, &e, &NeumannOptions { order, tolerance, amplification, progress })?;
 
     let camera = args::camera(&tracer, &patches);
     // Tables and pictures show the means over patches.
-    let means = solution.clone().means(basis);
+    let means = solution.clone().under(&sources).means(basis);
     let (irradiance, radiance) = (&means.irradiance, &means.radiance);
     let picture = output::render(&tracer, &patches, radiance, &camera, &look)?;
     args.picture.warn_if_black(&picture, terminal);
@@ -71,13 +83,13 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     outputs.file("patches.csv", |file| output::write_patches(file, &patches, irradiance, radiance))?;
     outputs.file("mesh.ply", |file| output::write_ply(file, &tracer, &patches, radiance, exposure))?;
     if args.lamp_groups {
-        let lamps: Vec<_> = groups.iter().map(|g| g.material.as_str()).zip(&by_group).collect();
+        let lamps: Vec<_> = names.into_iter().zip(&by_group).collect();
         outputs.file("lamp_groups.csv", |file| output::write_lamp_groups(file, &patches, &lamps))?;
     }
     args.picture.write(&picture, &mut outputs)?;
 
     let area_unit = tracer.frame().scale().powi(2);
-    let energy = Energy::new(&k, &sources, &solution.radiance, area_unit);
+    let energy = Energy::of(&k, &sources, &solution.radiance, area_unit);
     let summary = Summary {
         scene: scene.name().to_owned(),
         version: env!("CARGO_PKG_VERSION"),
