@@ -50,6 +50,12 @@ sun = [-0.62, 0.45, -0.25]
 illuminance = 12000 # lx, of open level ground by the sky alone
 colour = [0.75, 0.9, 1.25]
 ground = 0.2
+
+[[receiver]]
+name = \"work plane\"
+corner = [0.5, 0.85, 0.5]
+edges = [[0, 0, 3], [4, 0, 0]]
+points = [12, 16]
 ",
         camera: Camera {
             about: "From the far corner towards the window.",

@@ -12,6 +12,7 @@ mod form_factors;
 mod image;
 mod mesh;
 mod npz;
+mod photometry;
 mod picture;
 mod smooth;
 mod summary;
@@ -34,6 +35,7 @@ pub use self::file::{Outputs, replace};
 pub use self::form_factors::{FactorFormat, FactorTable, write_form_factors};
 pub use self::image::{Outlines, RenderOptions, Shading, render};
 pub use self::mesh::write_ply;
+pub use self::photometry::{Illuminance, write_photometry, write_receivers};
 pub use self::picture::{LampPart, Picture};
 pub use self::smooth::SmoothField;
 pub use self::summary::{

@@ -13,6 +13,7 @@ mod material;
 mod mtl;
 mod obj;
 mod photometry;
+mod receiver;
 mod settings;
 mod sky;
 
@@ -26,6 +27,7 @@ pub use camera::Camera;
 pub use light::Light;
 pub use material::{Material, Surface};
 pub use photometry::{EFFICACY, luminance};
+pub use receiver::Receiver;
 pub use sky::{Sky, SkyKind, SkyShares};
 
 /// One of the two sides of a face.
@@ -88,6 +90,8 @@ pub struct Scene {
     camera: Option<Camera>,
     lights: Vec<Light>,
     sky: Option<Sky>,
+    receivers: Vec<Receiver>,
+    efficacy: f64,
     channels: usize,
     warnings: Vec<String>,
 }
@@ -113,6 +117,10 @@ pub struct SceneParts {
     pub lights: Vec<Light>,
     /// The sky around it, with as many channels as the materials.
     pub sky: Option<Sky>,
+    /// Where to measure light beside the faces.
+    pub receivers: Vec<Receiver>,
+    /// Lumens per watt; 683 if not given.
+    pub efficacy: Option<f64>,
     /// What the reader noticed and the user should know.
     pub warnings: Vec<String>,
 }
@@ -192,6 +200,14 @@ pub enum SceneError {
         /// What is wrong and what to do.
         message: String,
     },
+    /// A receiver makes no sense.
+    #[error("receiver {receiver}: {message}")]
+    Receiver {
+        /// Its name.
+        receiver: String,
+        /// What is wrong and what to do.
+        message: String,
+    },
     /// The camera can't make a picture.
     #[error(
         "camera: position and target must differ, up must not be zero, and fov must lie between 0 and 180 degrees"
@@ -227,16 +243,21 @@ impl Scene {
     /// channels of all materials and lights agree the scene keeps one channel.
     ///
     /// # Errors
-    /// `NoFaces`, `NoArea`, `Face`, `Material`, `Light` or `Camera`.
+    /// `NoFaces`, `NoArea`, `Face`, `Material`, `Light`, `Receiver` or `Camera`.
     pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
         let SceneParts { name, vertices, normals, mut faces, mut materials, objects, .. } = parts;
-        let SceneParts { camera, mut lights, mut sky, mut warnings, .. } = parts;
+        let SceneParts { camera, mut lights, mut sky, receivers, efficacy, mut warnings, .. } = parts;
+        let efficacy = efficacy.unwrap_or(EFFICACY);
         if faces.is_empty() {
             return Err(SceneError::NoFaces { name });
         }
         check_faces(&faces, &vertices, &normals, materials.len(), objects.len())?;
         let mut channels = check_materials(&materials)?;
         check_lights(&lights, sky.as_ref(), channels)?;
+        for receiver in &receivers {
+            let error = |message| SceneError::Receiver { receiver: receiver.name.clone(), message };
+            receiver.check().map_err(error)?;
+        }
         let powers = || lights.iter().map(Light::power).chain(sky.as_ref().map(|sky| sky.zenith.as_slice()));
         if materials.iter().all(Material::is_grey)
             && powers().all(|power| power.iter().all(|x| *x == power[0]))
@@ -266,6 +287,8 @@ impl Scene {
             camera,
             lights,
             sky,
+            receivers,
+            efficacy,
             channels,
             warnings,
         })
@@ -314,6 +337,16 @@ impl Scene {
     /// The sky, if one shines.
     pub fn sky(&self) -> Option<&Sky> {
         self.sky.as_ref().filter(|sky| sky.shines())
+    }
+
+    /// Where light is measured beside the faces.
+    pub fn receivers(&self) -> &[Receiver] {
+        &self.receivers
+    }
+
+    /// Lumens per watt, lm·W⁻¹.
+    pub fn efficacy(&self) -> f64 {
+        self.efficacy
     }
 
     /// How many channels reflectance and radiance have: 1 where all agree, else those of the materials.

@@ -9,7 +9,7 @@ use toml::Spanned;
 
 use super::light_settings::{LightSettings, SkySettings};
 use super::photometry::EFFICACY;
-use super::{Camera, SceneError, SceneParts};
+use super::{Camera, Receiver, SceneError, SceneParts};
 
 /// The content of a scene's `.toml`.
 #[derive(Debug, Deserialize)]
@@ -25,7 +25,10 @@ struct Settings {
     #[serde(default)]
     light: Vec<Spanned<LightSettings>>,
     sky: Option<Spanned<SkySettings>>,
-    /// Lumens per watt, for powers given in lumens; 683 if not given.
+    /// Where to measure light beside the faces.
+    #[serde(default)]
+    receiver: Vec<Spanned<ReceiverSettings>>,
+    /// Lumens per watt; 683 if not given.
     efficacy: Option<Spanned<f64>>,
 }
 
@@ -38,6 +41,15 @@ struct CameraSettings {
     up: [f64; 3],
     #[serde(default = "normal_lens")]
     fov: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ReceiverSettings {
+    name: String,
+    corner: [f64; 3],
+    edges: [[f64; 3]; 2],
+    points: [usize; 2],
 }
 
 #[derive(Debug, Deserialize)]
@@ -116,9 +128,18 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
         let message = format!("efficacy = {efficacy}: lumens per watt must be positive");
         return Err(error(given.span().start, message));
     }
+    parts.efficacy = Some(efficacy);
     for given in &settings.light {
         let light = given.get_ref().light(unit, efficacy);
         parts.lights.push(light.map_err(|message| error(given.span().start, format!("light: {message}")))?);
+    }
+    for given in &settings.receiver {
+        let ReceiverSettings { name, corner, edges, points } = given.get_ref();
+        let [corner, a, b] = [*corner, edges[0], edges[1]].map(|v| DVec3::from(v) * unit);
+        let receiver = Receiver { name: name.clone(), corner, edges: [a, b], counts: *points };
+        let wrong = |message| error(given.span().start, format!("receiver {name}: {message}"));
+        receiver.check().map_err(wrong)?;
+        parts.receivers.push(receiver);
     }
     if let Some(given) = &settings.sky {
         let sky = given.get_ref().sky(efficacy);

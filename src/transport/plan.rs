@@ -31,6 +31,12 @@ fn sky(scene: &Scene) -> Effect {
     Effect { effect: "sky", on: scene.sky().is_some(), reason: reason.into() }
 }
 
+fn receivers(scene: &Scene) -> Effect {
+    let names: Vec<&str> = scene.receivers().iter().map(|receiver| receiver.name.as_str()).collect();
+    let reason = if names.is_empty() { "no receiver".into() } else { names.join(", ") };
+    Effect { effect: "receivers", on: !names.is_empty(), reason }
+}
+
 /// What a run simulates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
@@ -77,6 +83,7 @@ impl Plan {
                 ),
                 lights(scene),
                 sky(scene),
+                receivers(scene),
                 called_for("mirror", "mirror", &surface(Surface::Mirror)),
                 called_for("dielectric", "glass or water", &surface(Surface::Dielectric)),
                 called_for("gloss", "rough conductor or plastic", &surface(Surface::Glossy)),

@@ -1,11 +1,11 @@
 //! `radiosity solve`: the main job.
 
 use radiosity::measure::{Energy, Undershoot};
-use radiosity::output::{self, PlanEntry, SeriesSummary, Summary};
+use radiosity::output::{self, Illuminance, PlanEntry, SeriesSummary, Summary};
 use radiosity::patches::Basis;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Exchange, Plan, Sources, Transport};
+use radiosity::transport::{Exchange, Plan, ReceiverRows, Sources, Transport};
 
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -19,6 +19,10 @@ pub struct Args {
     factors: FactorsArgs,
     #[command(flatten)]
     solver: SolverArgs,
+    /// Also report in lumens: photometry.csv with mean, lowest and highest illuminance and uniformity by material, object and receiver
+    #[arg(long, help_heading = "Photometry")]
+    photometric: bool,
+
     /// Also solve for the lamps of each material, and for all lights without area, by themselves, and write lamp_groups.csv
     #[arg(long, help_heading = "Solver")]
     lamp_groups: bool,
@@ -70,6 +74,13 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (order, tolerance) = (args.solver.order, args.solver.tolerance);
     let series = solve::neumann(&k, &e, &NeumannOptions { order, tolerance, amplification, progress })?;
 
+    let light = args.factors.light(&args.run, progress);
+    let mut received = Vec::new();
+    for receiver in scene.receivers() {
+        let rows = ReceiverRows::trace(&tracer, &patches, basis, receiver, &light)?;
+        received.push((receiver, rows.irradiance(&solution.radiance)));
+    }
+
     let camera = args::camera(&tracer, &patches);
     // Tables and pictures show the means over patches.
     let means = solution.clone().under(&sources).means(basis);
@@ -82,6 +93,17 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     outputs.file("faces.csv", |file| output::write_faces(file, &patches, irradiance, radiance))?;
     outputs.file("patches.csv", |file| output::write_patches(file, &patches, irradiance, radiance))?;
     outputs.file("mesh.ply", |file| output::write_ply(file, &tracer, &patches, radiance, exposure))?;
+    let received: Vec<_> = received.iter().map(|(receiver, h)| (*receiver, h)).collect();
+    let efficacy = scene.efficacy();
+    if !received.is_empty() {
+        outputs.file("receivers.csv", |file| output::write_receivers(file, &received, efficacy))?;
+    }
+    let mut photometry: Vec<_> =
+        received.iter().map(|(receiver, h)| Illuminance::of_receiver(receiver, h, efficacy)).collect();
+    if args.photometric {
+        photometry.splice(0..0, Illuminance::of_surfaces(&patches, irradiance, efficacy));
+        outputs.file("photometry.csv", |file| output::write_photometry(file, &photometry))?;
+    }
     if args.lamp_groups {
         let lamps: Vec<_> = names.into_iter().zip(&by_group).collect();
         outputs.file("lamp_groups.csv", |file| output::write_lamp_groups(file, &patches, &lamps))?;
@@ -106,6 +128,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         solver: solution.report.clone(),
         energy: (&energy).into(),
         closure: *factors.exchange().closure(),
+        photometry,
         undershoot: Undershoot::of(k.mass(), &solution.radiance),
         error: None,
         warnings: scene.warnings().to_vec(),
@@ -164,6 +187,9 @@ fn report(summary: &Summary, faces: usize, exchange: &Exchange) -> String {
         );
         lines.insert(lines.len() - 2, line);
     }
+    if !summary.photometry.is_empty() {
+        lines.insert(lines.len() - 1, illuminances(&summary.photometry));
+    }
     if exchange.shrinkage() < 1.0 {
         let kept = exchange.shrinkage();
         lines.insert(
@@ -181,6 +207,20 @@ fn report(summary: &Summary, faces: usize, exchange: &Exchange) -> String {
     let stages: Vec<String> = long.map(|stage| format!("{} {:.2}", stage.name, stage.seconds)).collect();
     lines.push(format!("\n{seconds:.2} s on {} threads: {}", summary.threads, stages.join(", ")));
     lines.join("\n")
+}
+
+/// A table of illuminances, lx.
+fn illuminances(rows: &[Illuminance]) -> String {
+    let mut text = format!(
+        "  {:<28} {:>10} {:>10} {:>10} {:>11}\n",
+        "illuminance, lx", "mean", "minimum", "maximum", "uniformity"
+    );
+    for row in rows {
+        let name = format!("{} {}", row.kind, row.name);
+        let [mean, minimum, maximum] = [row.mean, row.minimum, row.maximum].map(short);
+        text += &format!("  {name:<28} {mean:>10} {minimum:>10} {maximum:>10} {:>11.3}\n", row.uniformity);
+    }
+    text
 }
 
 /// Three numbers, or one where all are the same.
