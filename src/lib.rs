@@ -59,9 +59,10 @@
 //!
 //! with n patches and c channels: three of colour, or one where all channels agree. With linear elements
 //! ([`Basis::Linear`](patches::Basis)) every patch has three coefficients in the place of one, the field's values at its corners:
-//! vectors are 3n × c, S_(ia)(jb) = ∫∫ φ_a φ_b dF dA, and M⁻¹S stands for F, with the mass M_(ia)(ib) = ∫ φ_a φ_b dA. *Order k* of the series is
-//! L_k = Lₑ + ρH_k/π with H_k = H₀ + πF L_{k−1} and L_{−1} = 0; *bounce k* is KᵏE, what order k adds. A *guaranteed* bound holds for the operator at
-//! hand in exact arithmetic; it does not speak of how well that operator stands for the scene.
+//! vectors are 3n × c, S_(ia)(jb) = ∫∫ φ_a φ_b dF dA, and M⁻¹S stands for F, with the mass M_(ia)(ib) = ∫ φ_a φ_b dA; pictures and
+//! meshes take either. *Order k* of the series is L_k = Lₑ + ρH_k/π with H_k = H₀ + πF L_{k−1} and L_{−1} = 0; *bounce k* is KᵏE, what order k adds.
+//! A *guaranteed* bound holds for the operator at hand in exact arithmetic; it does not speak of how well that operator stands
+//! for the scene.
 //!
 //! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take [`Sources`](transport::Sources) for what starts in them:
 //! `let sources = Sources::trace(&tracer, &patches, factors.basis(), &LightOptions::default())?`, then

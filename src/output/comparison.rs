@@ -53,7 +53,9 @@ pub struct OrderSummary {
     pub uncertainty: f64,
     /// Mean difference from the reference, relative to its mean.
     pub bias: f64,
-    /// Of the worst patch, in standard errors.
+    /// Of the patch that is worst beside its noise, relative to the root mean square of irradiance.
+    pub worst: f64,
+    /// The same in standard errors.
     pub worst_z: f64,
     /// Bound on `vs_direct`, *guaranteed* for constant elements and *estimated* for linear ones; `null` where none is known yet.
     pub bound: Option<f64>,
@@ -76,7 +78,9 @@ pub struct DirectSummary {
     pub bias: f64,
     /// Standard error of `bias`.
     pub bias_error: f64,
-    /// Of the worst patch, in standard errors.
+    /// Of the patch that is worst beside its noise, relative to the root mean square of irradiance.
+    pub worst: f64,
+    /// The same in standard errors.
     pub worst_z: f64,
     /// Whether it agrees, in words.
     pub verdict: String,
@@ -106,6 +110,7 @@ impl OrderSummary {
             vs_reference: row.vs_reference.rms,
             uncertainty: row.vs_reference.uncertainty,
             bias: row.vs_reference.bias,
+            worst: row.vs_reference.worst.relative,
             worst_z: row.vs_reference.worst.z,
             bound: row.bound.is_finite().then_some(row.bound),
             seconds: seconds + row.seconds,
@@ -124,6 +129,7 @@ impl DirectSummary {
             z_rms: by_patch.z_rms,
             bias: by_patch.bias,
             bias_error: by_patch.bias_error,
+            worst: by_patch.worst.relative,
             worst_z: by_patch.worst.z,
             verdict: comparison.verdict(),
             reasons: comparison.reasons.clone(),

@@ -1,6 +1,6 @@
 //! Mesh: the patches as coloured triangles, in the PLY format that mesh viewers read.
 //!
-//! Colours stand at the vertices and are those of [`SmoothField`]; a vertex is shared by the patches of one smooth
+//! Colours stand at the vertices and are those of [`SmoothField`], constant or linear over each patch; a vertex is shared by the patches of one smooth
 //! surface. The back of a face comes as triangles of reversed winding.
 
 use std::io::{self, Write};
@@ -8,22 +8,23 @@ use std::io::{self, Write};
 use glam::DVec3;
 use nalgebra::DMatrix;
 
+use super::limiter::limited;
 use super::tone::to_rgb;
 use super::{Exposure, SmoothField};
-use crate::patches::Patches;
+use crate::patches::{Basis, Patches};
 use crate::scene::Side;
 use crate::trace::Tracer;
 
 /// Coordinates are written as f64 where the scene lies more than so many sizes from the origin, else as f32.
 const FAR: f64 = 1e4;
 
-/// Writes the patches with their `radiance` (n × c) as exposed sRGB vertex colours: binary PLY, metres.
+/// Writes the patches with their `radiance` (N × c, N = n or 3n) as exposed sRGB vertex colours: binary PLY, metres.
 ///
 /// # Errors
 /// Those of `writer`.
 ///
 /// # Panics
-/// If `radiance` has not n rows.
+/// If `radiance` has neither n nor 3n rows.
 pub fn write_ply(
     writer: &mut dyn Write,
     tracer: &Tracer,
@@ -31,7 +32,7 @@ pub fn write_ply(
     radiance: &DMatrix<f64>,
     exposure: Exposure,
 ) -> io::Result<()> {
-    let field = SmoothField::new(tracer, patches, radiance);
+    let field = SmoothField::new(tracer, patches, &limited(Basis::of(patches, radiance), radiance));
     let frame = tracer.frame();
     let number =
         if frame.to_world(DVec3::ZERO).length() > FAR * frame.scale() { Number::F64 } else { Number::F32 };
@@ -104,7 +105,7 @@ impl Number {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{cut, quad, room, triangles};
+    use super::super::tests::{by_corners, cut, quad, room, triangles};
     use super::*;
     use crate::patches::Reach;
     use crate::scene::Material;
@@ -142,6 +143,25 @@ mod tests {
             assert!((0..3).all(|k| index(at + 1 + 4 * k) < vertices));
         }
         assert_eq!(body[12..15], Exposure::default().encode([0.5; 3]));
+    }
+
+    #[test]
+    fn vertices_have_the_colours_of_linear_elements_at_their_place() {
+        let wall = quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        let scene = triangles(&wall, &[0, 0], vec![Material::lamp("wall", &[0.5; 3], &[1.0; 3])]);
+        let tracer = Tracer::new(&scene);
+        let patches = cut(&tracer, 0.3, Reach::Light);
+        let exact = |p: DVec3| DVec3::new(0.1 + 0.3 * p.x, 0.4 - 0.2 * p.y, 0.2 + 0.1 * p.x + 0.2 * p.y);
+        let radiance = by_corners(&patches, 3, |_, p| exact(p));
+        let mut bytes = Vec::new();
+        write_ply(&mut bytes, &tracer, &patches, &radiance, Exposure::default()).unwrap();
+        let vertices = 25;
+        let body = &bytes[bytes.len() - 13 * patches.len() - 15 * vertices..];
+        for vertex in body.chunks_exact(15).take(vertices) {
+            let at = |axis: usize| f32::from_le_bytes(vertex[4 * axis..][..4].try_into().unwrap()) as f64;
+            let expected = Exposure::default().encode(exact(DVec3::new(at(0), at(1), at(2))).to_array());
+            assert_eq!(vertex[12..], expected);
+        }
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod figure;
 mod file;
 mod form_factors;
 mod image;
+mod limiter;
 mod mesh;
 mod npz;
 mod photometry;
@@ -97,6 +98,7 @@ mod tests {
     //! What the tests of this module look at.
 
     use glam::DVec3;
+    use nalgebra::DMatrix;
 
     use crate::patches::{PatchSize, Patches, Reach, Tessellation};
     use crate::scene::{Face, FaceState, Material, Scene, SceneParts};
@@ -136,6 +138,16 @@ mod tests {
         let walls =
             [quad(o, z, x), quad(o, x, y), quad(o, y, z), quad(y, x, z), quad(z, y, x), quad(x, z, y)];
         triangles(&walls.concat(), &[0; 12], vec![material])
+    }
+
+    /// Linear elements with these values at the corners of every patch, in the first `channels`.
+    pub(super) fn by_corners(
+        patches: &Patches,
+        channels: usize,
+        value: impl Fn(usize, DVec3) -> DVec3,
+    ) -> DMatrix<f64> {
+        let corner = |k: usize| patches.point(patches.place(k / 3).face, patches.corners(k / 3)[k % 3]);
+        DMatrix::from_fn(3 * patches.len(), channels, |k, c| value(k / 3, corner(k))[c])
     }
 
     /// Cuts for legs up to `edge` metres.

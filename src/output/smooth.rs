@@ -1,7 +1,8 @@
-//! Smooth field: a field of one value per patch, made continuous for the eye.
+//! Smooth field: a field over patches, constant or linear over each, made continuous for the eye.
 //!
 //! A corner's value is the mean, weighted by angle, of the patches that meet there on the same smooth surface:
-//! same material, and normals no more than 30° from one to the next. Inside a patch the values of its three corners are
+//! same material, and normals no more than 30° from one to the next. Of constant elements each gives its one value, of linear ones
+//! its value at that place. Inside a patch the values of its three corners are
 //! interpolated linearly. A corner in the middle of a neighbouring face's patch edge counts that patch as meeting there
 //! too, so that unlike cuts of two faces leave no visible seam. Across creases, materials and the two sides of a sheet nothing is mixed.
 
@@ -12,7 +13,7 @@ use glam::{DMat2, DVec2, DVec3};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::patches::{Barycentrics, Patches, Slot};
+use crate::patches::{Barycentrics, Basis, Patches, Slot};
 use crate::scene::{FaceState, Side};
 use crate::trace::Tracer;
 
@@ -45,6 +46,8 @@ struct Corner {
     patch: u32,
     /// Which of its corners; none for a place on its edge.
     number: Option<u8>,
+    /// The place within the patch: weights of its second and third corner.
+    within: Barycentrics,
     position: DVec3,
     normal: DVec3,
     /// Corners of different surfaces are never mixed: material, and whether it emits.
@@ -55,13 +58,27 @@ struct Corner {
     same: f64,
 }
 
+impl Corner {
+    /// What the patch's own field is here, in channel `c`.
+    fn value(&self, basis: Basis, field: &DMatrix<f64>, c: usize) -> f64 {
+        let patch = self.patch as usize;
+        match basis {
+            Basis::Constant => field[(patch, c)],
+            Basis::Linear => {
+                let ([v, w], at) = (self.within, |k: usize| field[(3 * patch + k, c)]);
+                at(0) * (1.0 - v - w) + at(1) * v + at(2) * w
+            }
+        }
+    }
+}
+
 impl SmoothField {
-    /// Averages `field` (n × c) to the corners of the patches.
+    /// Averages `field` (N × c, N = n or 3n) to the corners of the patches.
     ///
     /// # Panics
-    /// If `field` has not n rows.
+    /// If `field` has neither n nor 3n rows.
     pub fn new(tracer: &Tracer, patches: &Patches, field: &DMatrix<f64>) -> Self {
-        assert_eq!(field.nrows(), patches.len(), "one row per patch");
+        let basis = Basis::of(patches, field);
         let mut corners: Vec<Corner> =
             (0..patches.len()).into_par_iter().flat_map_iter(|i| corners_of(tracer, patches, i)).collect();
         corners.extend(corners_on_edges(tracer, patches));
@@ -72,12 +89,17 @@ impl SmoothField {
             values: Vec::new(),
             weights: (0..patches.len()).into_par_iter().map(|i| to_weights(patches.corners(i))).collect(),
         };
-        for_each_surface_point(&corners, |members| smooth.add_point(&corners, members, field));
+        for_each_surface_point(&corners, |members| smooth.add_point(&corners, members, (basis, field)));
         smooth
     }
 
     /// Makes one point of `members`, a choice of `corners`.
-    fn add_point(&mut self, corners: &[Corner], members: &mut Vec<u32>, field: &DMatrix<f64>) {
+    fn add_point(
+        &mut self,
+        corners: &[Corner],
+        members: &mut Vec<u32>,
+        (basis, field): (Basis, &DMatrix<f64>),
+    ) {
         // Count each patch once, as a corner if it has one here.
         members
             .sort_unstable_by_key(|&m| (corners[m as usize].patch, corners[m as usize].number.is_none(), m));
@@ -95,7 +117,7 @@ impl SmoothField {
         let met = || members.iter().map(|&m| &corners[m as usize]);
         let total: f64 = met().map(|corner| corner.angle).sum();
         for c in 0..self.channels {
-            let sum: f64 = met().map(|corner| corner.angle * field[(corner.patch as usize, c)]).sum();
+            let sum: f64 = met().map(|corner| corner.angle * corner.value(basis, field, c)).sum();
             self.values.push(sum / total);
         }
     }
@@ -145,6 +167,7 @@ fn corners_of(tracer: &Tracer, patches: &Patches, patch: usize) -> [Corner; 3] {
     [0, 1, 2].map(|k| Corner {
         patch: patch as u32,
         number: Some(k as u8),
+        within: [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][k],
         position: at[k],
         normal: shading_normal(tracer, face, side, on_face[k]),
         surface: surface(tracer, face, side),
@@ -222,9 +245,12 @@ fn on_edge<'a>(
     weights[(k + 1) % 3] = along;
     let point = [weights[1], weights[2]];
     Side::BOTH.into_iter().filter_map(move |side| {
+        let patch = patches.patch_at(face, side, point)?;
+        let within = patches.weights_in(patches.slot_of_patch(patch), point);
         Some(Corner {
-            patch: patches.patch_at(face, side, point)? as u32,
+            patch: patch as u32,
             number: None,
+            within,
             position,
             normal: shading_normal(tracer, face, side, point),
             surface: surface(tracer, face, side),

@@ -5,6 +5,8 @@
 
 use nalgebra::DMatrix;
 
+use super::Patches;
+
 /// How a field varies over a patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Basis {
@@ -23,6 +25,17 @@ impl Basis {
             Self::Constant => 1,
             Self::Linear => 3,
         }
+    }
+
+    /// The basis of a field over n patches: a row each is constant, three rows are linear.
+    ///
+    /// # Panics
+    /// If `field` has neither n nor 3n rows.
+    pub fn of(patches: &Patches, field: &DMatrix<f64>) -> Self {
+        let (n, rows) = (patches.len(), field.nrows());
+        let fits = |basis: &Self| basis.coefficients() * n == rows;
+        let basis = [Self::Constant, Self::Linear].into_iter().find(fits);
+        basis.unwrap_or_else(|| panic!("{rows} rows are no field over {n} patches"))
     }
 
     /// `constant` or `linear`.
@@ -48,5 +61,30 @@ impl Basis {
         assert_eq!(field.nrows() % each, 0, "{each} coefficients a patch");
         let of = |i: usize, c: usize| field.view((each * i, c), (each, 1)).sum() / each as f64;
         DMatrix::from_fn(field.nrows() / each, field.ncols(), of)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Patches, Tessellation};
+    use super::*;
+    use crate::scene::Scene;
+    use crate::trace::Tracer;
+
+    #[test]
+    fn the_number_of_rows_tells_the_basis() {
+        let scene = Scene::cornell_box();
+        let patches = Patches::new(&Tracer::new(&scene), &Tessellation::default()).unwrap();
+        for basis in [Basis::Constant, Basis::Linear] {
+            assert_eq!(Basis::of(&patches, &basis.coefficients_of(&patches.sources())), basis);
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "no field over")]
+    fn refuses_fields_of_other_patches() {
+        let scene = Scene::cornell_box();
+        let patches = Patches::new(&Tracer::new(&scene), &Tessellation::default()).unwrap();
+        Basis::of(&patches, &DMatrix::zeros(2 * patches.len(), 3));
     }
 }

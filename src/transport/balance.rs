@@ -26,6 +26,9 @@ pub struct Closure {
 /// Rows are closed when they are off by less than this, relative to their area.
 const CLOSED: f64 = 2e-14;
 
+/// What is closed only to be closed once more, together with the rest, may be off by this.
+const CLOSED_FOR_NOW: f64 = 1e-6;
+
 /// Passes over the matrix after which a scaling that has not been found is held not to exist.
 const MOST_PASSES: usize = 2000;
 
@@ -77,8 +80,8 @@ impl Problem<'_> {
         let mut z = precondition(&r);
         let mut p = z.clone();
         let mut rz = r.dot(&z);
-        // As precise as the step is worth: the nearer the goal, the more.
-        let enough = rz * at.error.clamp(1e-4, 0.1).powi(2);
+        // As precise as the step is worth: the nearer the goal the more, but no more than the goal asks for.
+        let enough = rz * at.error.max(0.3 * CLOSED / at.error).clamp(1e-4, 0.1).powi(2);
         for _ in 0..200 {
             if rz <= enough || self.passes >= MOST_PASSES {
                 break;
@@ -100,7 +103,7 @@ impl Problem<'_> {
 /// that, scaled by D, they are what they were but for one common factor per lamp. Answers D.
 ///
 /// First each lamp gets the factor that closes its own row. Then the other rows share out what lamps leave of them, so that the
-/// noise of rays is corrected where it is. At last all rows are closed together, which moves nothing by more than rounding.
+/// noise of rays is corrected where it is. At last all rows are closed together, which moves nothing by more than some 10⁻⁶.
 pub(super) fn balance_around_lamps(
     storage: &mut Storage,
     escape: &DVector<f64>,
@@ -118,7 +121,7 @@ pub(super) fn balance_around_lamps(
 
     let to_others = escape + storage.times(&others);
     let mut closing = Problem::new(storage, &to_others, areas.clone(), lamps.clone());
-    let lamp_scale = closing.solve(&start, progress)?.scale;
+    let lamp_scale = closing.solve(&start, CLOSED_FOR_NOW, progress)?.scale;
 
     // A row that lamps all but fill has next to nothing else to share out: there lamps and rays are scaled alike.
     let from_lamps = storage.times(&lamp_scale);
@@ -128,7 +131,7 @@ pub(super) fn balance_around_lamps(
     let escape_and_lamps =
         DVector::from_fn(n, |i, _| escape[i] + if flooded[i] { from_lamps[i] } else { 0.0 });
     let mut sharing = Problem::new(storage, &escape_and_lamps, target, others);
-    let other_scale = sharing.solve(&start, progress)?.scale;
+    let other_scale = sharing.solve(&start, CLOSED_FOR_NOW, progress)?.scale;
     let passes = 4 + closing.passes + sharing.passes;
 
     storage.scale_entries(|i, j| match (is_lamp[i], is_lamp[j]) {
@@ -146,11 +149,11 @@ impl<'a> Problem<'a> {
         Self { storage, escape, target, part, passes: 0 }
     }
 
-    /// Goes from a first guess of D to the D that closes all rows, or as near to it as can be.
-    fn solve(&mut self, start: &DVector<f64>, progress: Progress) -> Result<State, Cancelled> {
+    /// Goes from a first guess of D to a D that closes all rows but for a relative error of `enough`, or as near to it as can be.
+    fn solve(&mut self, start: &DVector<f64>, enough: f64, progress: Progress) -> Result<State, Cancelled> {
         let mut now = self.state(start.map(f64::ln));
-        while now.error > CLOSED && self.passes < MOST_PASSES {
-            progress.at("balance", (now.error.ln() / CLOSED.ln()).clamp(0.0, 0.99))?;
+        while now.error > enough && self.passes < MOST_PASSES {
+            progress.at("balance", (now.error.ln() / enough.ln()).clamp(0.0, 0.99))?;
             let step = self.newton_step(&now);
             match advance(self, &now, &step) {
                 Some(next) => now = next,
@@ -171,7 +174,7 @@ pub(super) fn balance(
 ) -> Result<(DVector<f64>, Closure), Cancelled> {
     let mut problem = Problem::new(storage, escape, target.clone(), DVector::repeat(target.len(), 1.0));
     let before = problem.state(start.map(f64::ln)).error;
-    let mut now = problem.solve(start, progress)?;
+    let mut now = problem.solve(start, CLOSED, progress)?;
     let mut scale = now.scale;
     if now.error > 1e-9 {
         // No scaling exists, or none was found. Rows may lack something, but must not give out more than they get.

@@ -1,8 +1,10 @@
 //! Pictures: other ways to look at one scene agree, and those of nothing are black.
 
 use glam::DVec3;
+use nalgebra::DMatrix;
+use radiosity::measure::Undershoot;
 use radiosity::output::{Picture, RenderOptions, Shading, render};
-use radiosity::patches::{PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Camera, Material, Scene};
 use radiosity::solve;
 use radiosity::trace::Tracer;
@@ -46,6 +48,63 @@ fn gathered_light_agrees_with_the_patches_and_with_light_paths() {
         let [ours, theirs] = means([&gathered, &seen(other, 1)]);
         for (a, b) in ours.iter().zip(theirs) {
             assert!((a / b - 1.0).abs() < ACCURACY, "{other:?}: {ours:?} {theirs:?}");
+        }
+    }
+}
+
+/// Patches for a scene and its radiance by coefficients, and how far that falls below zero.
+fn solved<'s>(tracer: &Tracer<'s>, count: usize, basis: Basis) -> (Patches<'s>, DMatrix<f64>, Undershoot) {
+    let size = PatchSize::Count(count);
+    let mut patches = Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let factors =
+        FormFactors::trace(tracer, &mut patches, &TraceOptions { basis, ..Default::default() }).unwrap();
+    let k = Transport::of(&factors, &patches).unwrap();
+    let e = basis.coefficients_of(&patches.sources());
+    let radiance = solve::conjugate_gradients(&k, &e, &Default::default()).unwrap().radiance;
+    let undershoot = Undershoot::of(k.mass(), &radiance);
+    (patches, radiance, undershoot)
+}
+
+#[test]
+fn linear_elements_look_more_like_light_paths_than_as_many_constant_ones() {
+    let scene = Scene::cornell_box();
+    let tracer = Tracer::new(&scene);
+    let camera = scene.camera().copied().unwrap();
+    let options = RenderOptions { width: 64, height: 48, samples: 256, ..Default::default() };
+    let [constant, linear] = [Basis::Constant, Basis::Linear].map(|basis| solved(&tracer, 300, basis));
+    let seen = |(patches, radiance, _): &(Patches, DMatrix<f64>, Undershoot), shading: Shading| {
+        let options = RenderOptions { shading, ..options };
+        render(&tracer, patches, radiance, &camera, &options).unwrap()
+    };
+    let paths = seen(&constant, Shading::Path);
+    let apart = |picture: Picture| {
+        let pairs = picture.pixels.iter().zip(&paths.pixels).zip(&paths.lamps);
+        let beside_lamps =
+            pairs.filter(|(_, lamp)| lamp.share == 0.0).flat_map(|((a, b), _)| a.iter().zip(b));
+        beside_lamps.map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>().sqrt()
+    };
+    for shading in [Shading::Flat, Shading::Smooth] {
+        let [constant, linear] = [&constant, &linear].map(|solution| apart(seen(solution, shading)));
+        println!("{shading:?}: {constant} constant, {linear} linear");
+        assert!(linear < 0.75 * constant, "{shading:?}: {constant} constant, {linear} linear");
+    }
+}
+
+#[test]
+fn where_linear_elements_fall_below_zero_pictures_are_dark_but_not_black() {
+    let scene = Scene::cornell_box();
+    let tracer = Tracer::new(&scene);
+    let camera = Camera { fov: 24.0, ..scene.camera().copied().unwrap() };
+    let (patches, radiance, undershoot) = solved(&tracer, 300, Basis::Linear);
+    assert!(undershoot.share > 0.01 && undershoot.depth > 1e-3, "{undershoot:?}");
+    for (shading, factor) in SHADINGS.into_iter().flat_map(|s| [(s, 1.0), (s, 0.5)]) {
+        let options = RenderOptions { width: 160, height: 120, shading, samples: 2, ..Default::default() };
+        // Half of the light is less than lamps emit.
+        let picture = render(&tracer, &patches, &(&radiance * factor), &camera, &options).unwrap();
+        let pixels = || picture.pixels.iter().flatten();
+        assert!(pixels().all(|&x| x.is_finite() && x >= 0.0), "{shading:?} {factor}");
+        if matches!(shading, Shading::Flat | Shading::Smooth) {
+            assert!(pixels().all(|&x| x > 0.0), "{shading:?} {factor}");
         }
     }
 }

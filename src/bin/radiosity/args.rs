@@ -186,6 +186,16 @@ pub fn camera(tracer: &Tracer, patches: &Patches) -> Camera {
     tracer.scene().camera().copied().unwrap_or_else(|| output::default_camera(tracer, patches))
 }
 
+/// Says so if nothing can be seen in a picture.
+pub fn warn_if_black(picture: &Picture, terminal: &Terminal) {
+    if picture.is_black() {
+        terminal.warn(
+            "the picture is black: the camera sees nothing that is lit; change [camera] in the scene's .toml, or remove it \
+             there to have one found",
+        );
+    }
+}
+
 /// What the picture looks like.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Picture")]
@@ -251,16 +261,6 @@ impl PictureArgs {
 
     pub fn exposure(&self, picture: &Picture) -> Exposure {
         self.exposure.map_or_else(|| picture.exposure(), |factor| Exposure { factor })
-    }
-
-    /// Says so if nothing can be seen in a picture.
-    pub fn warn_if_black(&self, picture: &Picture, terminal: &Terminal) {
-        if picture.is_black() {
-            terminal.warn(
-                "the picture is black: the camera sees nothing that is lit; change [camera] in the scene's .toml, or remove it \
-                 there to have one found",
-            );
-        }
     }
 
     /// Adds `image.png`, and `image.exr` if wanted.

@@ -120,22 +120,21 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("series", 0.0)?;
     let limits = OrderOptions { tolerance: args.solver.tolerance, order: args.solver.order, progress };
     let orders = OrderRow::all(&k, &sources, &direct.irradiance, &reference, &amplification, &limits)?;
-    // Pictures and tables show the means over patches.
-    let direct = direct.means(basis);
-    let comparison = Comparison::new(&patches, &direct.irradiance, &reference, &mesh);
+    // Tables have the means over patches.
+    let irradiance = &basis.means(&direct.irradiance);
+    let comparison = Comparison::new(&patches, irradiance, &reference, &mesh);
 
     let camera = args::camera(&tracer, &patches);
     let picture = |shading| {
         output::render(&tracer, &patches, &direct.radiance, &camera, &RenderOptions { shading, ..look })
     };
     let [matrix, traced] = [picture(Shading::Smooth)?, picture(Shading::Path)?];
+    args::warn_if_black(&matrix, terminal);
     let terms = solve::bounces(&k, &e, LAST_PICTURE.min(orders.len().max(2) - 1));
-    let terms: Vec<_> = terms.iter().map(|term| basis.means(term)).collect();
     let bounces = BouncePictures::render(&tracer, &patches, &terms, &camera, &look)?;
 
     progress.at("write", 0.0)?;
     let mut outputs = args.scene.outputs(&scene)?;
-    let irradiance = &direct.irradiance;
     outputs.file("comparison.csv", |file| {
         output::write_comparison_table(file, &patches, irradiance, &reference, &mesh)
     })?;
@@ -190,7 +189,7 @@ fn report(summary: &ComparisonSummary, faces: usize, solver: &Report) -> String 
     let ComparisonSummary { direct, reference, orders, .. } = summary;
     let certainty = match solver.certainty {
         Certainty::Guaranteed => "guaranteed",
-        Certainty::Estimated => " estimated",
+        Certainty::Estimated => "estimated",
     };
     let mut lines = vec![
         format!(
@@ -204,56 +203,56 @@ fn report(summary: &ComparisonSummary, faces: usize, solver: &Report) -> String 
             percent(reference.standard_error)
         ),
         format!("mesh          patches half as long change the answer by {}\n", percent(direct.mesh_error)),
-        format!("  order  from direct  {certainty}  from reference        mean  worst patch   seconds"),
+        columns(["order", "from direct", certainty, "from reference", "mean", "worst patch", "seconds"]),
     ];
-    let row = |name: &str,
-               from: String,
-               bound: String,
-               rms: f64,
-               error: f64,
-               bias: f64,
-               worst: f64,
-               seconds: f64| {
-        let of_reference = format!("{} ± {}", percent(rms), percent(error));
-        format!(
-            "  {name:>6}  {from:>10}  {bound:>10}  {of_reference:>18}  {:>8}  {worst:>+6.1} s.e.  {seconds:>7.2}",
-            signed_percent(bias)
-        )
-    };
     let told = |order: usize| order <= 5 || order.is_multiple_of(10) || order + 1 == orders.len();
     lines.extend(orders.iter().filter(|o| told(o.order)).map(|o| {
-        let bound = o.bound.map_or("none yet".into(), |bound| format!("{bound:.0e}"));
-        let from = format!("{:.0e}", o.vs_direct);
-        row(&o.order.to_string(), from, bound, o.vs_reference, o.uncertainty, o.bias, o.worst_z, o.seconds)
+        columns([
+            &o.order.to_string(),
+            &format!("{:.0e}", o.vs_direct),
+            &o.bound.map_or("none yet".into(), |bound| format!("{bound:.0e}")),
+            &uncertain(o.vs_reference, o.uncertainty),
+            &signed_percent(o.bias),
+            &signed_percent(o.worst),
+            &format!("{:.2}", o.seconds),
+        ])
     }));
-    let worst = direct.worst_z;
-    lines.push(row(
+    lines.push(columns([
         solver.name,
-        String::new(),
-        String::new(),
-        direct.vs_reference,
-        direct.uncertainty,
-        direct.bias,
-        worst,
-        direct.seconds,
-    ));
+        "",
+        "",
+        &uncertain(direct.vs_reference, direct.uncertainty),
+        &signed_percent(direct.bias),
+        &signed_percent(direct.worst),
+        &format!("{:.2}", direct.seconds),
+    ]));
     lines.push(format!("\nThe matrix answer {}.", direct.verdict));
     lines.extend(direct.reasons.iter().map(|reason| {
         let follows = match reason.agreement {
-            Agreement::WithinNoise => "within noise".to_owned(),
+            Agreement::WithinNoise => {
+                format!("within noise, which does so by chance in {} of all runs", percent(reason.chance))
+            }
             Agreement::MeshExplains => format!("the mesh may do up to {}", percent(reason.mesh)),
             Agreement::NothingExplains => {
                 format!("the mesh may do no more than {}: something is wrong", percent(reason.mesh))
             }
         };
-        format!(
-            "  {:<12} {:>8} ± {:<8} {follows}",
-            reason.what,
-            signed_percent(reason.found),
-            percent(reason.uncertainty)
-        )
+        let found = match reason.what {
+            "mean" | "worst patch" => signed_percent(reason.found),
+            _ => percent(reason.found),
+        };
+        format!("  {:<12} {found:>8} ± {:<8} {follows}", reason.what, percent(reason.uncertainty))
     }));
     lines.join("\n")
+}
+
+/// A line of the table.
+fn columns([order, direct, bound, reference, mean, worst, seconds]: [&str; 7]) -> String {
+    format!("  {order:>6}  {direct:>11}  {bound:>10}  {reference:>17}  {mean:>8}  {worst:>11}  {seconds:>7}")
+}
+
+fn uncertain(share: f64, error: f64) -> String {
+    format!("{} ± {}", percent(share), percent(error))
 }
 
 fn percent(share: f64) -> String {

@@ -38,10 +38,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let sources = Sources::trace(&tracer, &patches, basis, &args.factors.light(&args.run, progress))?;
     let e = sources.right_hand_side(&k);
     let solution = solve::solve(&k, &e, &args.solver.options(&args.run, progress))?;
-    let solution = solution.under(&sources).means(basis);
     let camera = args::camera(&tracer, &patches);
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
-    args.picture.warn_if_black(&picture, terminal);
+    args::warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;
     let mut outputs = args.scene.outputs(&scene)?;
     args.picture.write(&picture, &mut outputs)?;

@@ -82,17 +82,18 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     }
 
     let camera = args::camera(&tracer, &patches);
-    // Tables and pictures show the means over patches.
-    let means = solution.clone().under(&sources).means(basis);
-    let (irradiance, radiance) = (&means.irradiance, &means.radiance);
-    let picture = output::render(&tracer, &patches, radiance, &camera, &look)?;
-    args.picture.warn_if_black(&picture, terminal);
+    let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
+    args::warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;
     let exposure = args.picture.exposure(&picture);
     let mut outputs = args.scene.outputs(&scene)?;
+    // Tables have the means over patches.
+    let means = solution.clone().under(&sources).means(basis);
+    let (irradiance, radiance) = (&means.irradiance, &means.radiance);
     outputs.file("faces.csv", |file| output::write_faces(file, &patches, irradiance, radiance))?;
     outputs.file("patches.csv", |file| output::write_patches(file, &patches, irradiance, radiance))?;
-    outputs.file("mesh.ply", |file| output::write_ply(file, &tracer, &patches, radiance, exposure))?;
+    outputs
+        .file("mesh.ply", |file| output::write_ply(file, &tracer, &patches, &solution.radiance, exposure))?;
     let received: Vec<_> = received.iter().map(|(receiver, h)| (*receiver, h)).collect();
     let efficacy = scene.efficacy();
     if !received.is_empty() {

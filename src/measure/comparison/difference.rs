@@ -36,6 +36,8 @@ pub struct Worst {
     pub channel: usize,
     /// d, W·m⁻².
     pub difference: f64,
+    /// d relative to the root mean square of irradiance.
+    pub relative: f64,
     /// d/se.
     pub z: f64,
 }
@@ -123,7 +125,10 @@ impl Difference {
         let sigma = variance.sqrt();
         let total: f64 = places.iter().flat_map(|p| p.channels.iter().map(|c| p.area * c[1])).sum();
         let relative = |x: f64| if total > 0.0 { x / total } else { 0.0 };
+        let area: f64 = places.iter().map(|place| place.area * channels as f64).sum();
         let worst = worst(places);
+        let worst =
+            Worst { relative: worst.difference / (whole / area).max(f64::MIN_POSITIVE).sqrt(), ..worst };
         Self {
             rms: root(excess),
             uncertainty: 0.5 * (root(excess + sigma) - root(excess - sigma)),
@@ -156,7 +161,7 @@ fn worst(places: &[Place]) -> Worst {
                 _ => 0.0,
             };
             if z.abs() > worst.z.abs() {
-                worst = Worst { place, channel, difference, z };
+                worst = Worst { place, channel, difference, z, relative: 0.0 };
             }
         }
     }

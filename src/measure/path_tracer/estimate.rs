@@ -1,6 +1,6 @@
 //! Estimate: means, standard errors and counts of what paths have found so far.
 //!
-//! Paths come in *batches* of [`BATCH`], the points of one scrambled sequence; batches are independent, and their means are what
+//! Paths come in *batches*, the points of one scrambled sequence; batches are independent, and their means are what
 //! standard errors are made of. The batches of a patch belong to two halves, and how many a half gets is decided by what the first round of
 //! the *other* half has found: so what a patch happens to draw never decides how often it is drawn again, which would bias its mean
 //! (Kirk & Arvo 1991). The estimate is the plain mean of both halves.
@@ -10,13 +10,17 @@ use nalgebra::DMatrix;
 use super::super::ReferenceRow;
 use crate::patches::{FaceRow, Patches};
 
-/// Paths in a batch.
-pub(super) const BATCH: u32 = 8;
+/// Paths in a batch: the more the better they complement each other; where there are many patches, few, for all of them want some.
+fn batch_for(patches: usize) -> u32 {
+    if patches <= 1 << 15 { 8 } else { 2 }
+}
 
 /// Irradiance of every patch by path tracing, in all and by bounce.
 #[derive(Clone, Debug)]
 pub struct PathTraced {
     pub(super) channels: usize,
+    /// Paths in a batch.
+    pub(super) batch: u32,
     /// Bounces that are kept apart.
     pub(super) bounces: usize,
     pub(super) halves: [Half; 2],
@@ -65,7 +69,15 @@ impl PathTraced {
     pub(super) fn new(channels: usize, bounces: usize, areas: &[f64]) -> Self {
         let half = Half::new(areas.len(), (bounces + 1) * channels);
         let halves = [half.clone(), half];
-        Self { channels, bounces, halves, areas: areas.to_vec(), paths: 0, seconds: 0.0 }
+        Self {
+            channels,
+            batch: batch_for(areas.len()),
+            bounces,
+            halves,
+            areas: areas.to_vec(),
+            paths: 0,
+            seconds: 0.0,
+        }
     }
 
     /// Notes how much patches vary, once the first round is done.
@@ -113,7 +125,7 @@ impl PathTraced {
     /// Paths that were traced from a patch.
     pub fn paths_of(&self, patch: usize) -> u64 {
         let batches: u32 = self.halves.iter().map(|half| half.batches[patch]).sum();
-        u64::from(batches) * u64::from(BATCH)
+        u64::from(batches) * u64::from(self.batch)
     }
 
     /// Degrees of freedom of a patch's standard errors: half of what normal batch means would have, for these are skewed, and chance

@@ -10,6 +10,7 @@ mod rounds;
 mod walk;
 
 use std::f64::consts::FRAC_1_PI;
+use std::ops::Range;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -23,7 +24,7 @@ use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
 use crate::trace::sampling::Sequence;
 use crate::trace::{Hit, Ray, Tracer};
-use estimate::{BATCH, Half};
+use estimate::Half;
 use rounds::{first_round, next_round};
 use walk::{Numbers, Place, Walker};
 
@@ -142,7 +143,7 @@ impl<'t, 's> PathTracer<'t, 's> {
         let mut used = 0.0;
         while used < 1.0 && !patches.is_empty() {
             let round = match estimate.paths {
-                0 => first_round(patches.len(), budget),
+                0 => first_round(estimate, budget),
                 _ if used == 0.0 => next_round(estimate, 0.5),
                 _ => next_round(estimate, used),
             };
@@ -176,26 +177,25 @@ impl<'t, 's> PathTracer<'t, 's> {
                 let rows = sums.par_chunks_mut(values).zip(batches).enumerate();
                 rows.for_each(|(k, (sums, batches))| {
                     let patch = chunk * CHUNK + k;
-                    self.batches(patches, patch, h, *batches, more[patch], sums, options);
+                    let range = *batches..*batches + more[patch];
+                    self.batches(patches, (patch, h), range, estimate.batch, sums, options);
                     *batches += more[patch];
                 });
             }
-            paths += more.iter().map(|&n| u64::from(n) * u64::from(BATCH)).sum::<u64>();
+            paths += more.iter().map(|&n| u64::from(n) * u64::from(estimate.batch)).sum::<u64>();
         }
         estimate.halves = halves;
         estimate.paths += paths;
         Ok(())
     }
 
-    /// Adds the means of batches `first` to `first + more` of a patch and half to its sums.
-    #[allow(clippy::too_many_arguments)]
+    /// Adds the means of some batches of a patch and half, of `size` paths each, to its sums.
     fn batches(
         &self,
         patches: &Patches,
-        patch: usize,
-        half: usize,
-        first: u32,
-        more: u32,
+        (patch, half): (usize, usize),
+        range: Range<u32>,
+        size: u32,
         sums: &mut [[f64; 2]],
         options: &PathOptions,
     ) {
@@ -206,10 +206,10 @@ impl<'t, 's> PathTracer<'t, 's> {
         let stream = STREAM + 2 * patches.slot_of_patch(patch) as u64 + half as u64;
         let mut found = vec![0.0; sums.len()];
         let mut weight = vec![0.0; channels];
-        for batch in first..first + more {
+        for batch in range {
             let sequence = Sequence::new(options.seed, stream, u64::from(batch));
             found.fill(0.0);
-            for point in 0..BATCH {
+            for point in 0..size {
                 let mut numbers = Numbers { sequence, point, set: 0 };
                 let [s, t, x, y] = numbers.next();
                 let place = Place { face: facet.face, point: facet.point([s, t]), normal: facet.normal };
@@ -231,7 +231,7 @@ impl<'t, 's> PathTracer<'t, 's> {
                 );
             }
             for ([sum, squares], found) in sums.iter_mut().zip(&found) {
-                let mean = found / f64::from(BATCH);
+                let mean = found / f64::from(size);
                 *sum += mean;
                 *squares += mean * mean;
             }

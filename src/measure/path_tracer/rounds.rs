@@ -4,7 +4,7 @@
 //! area-weighted sum of squared standard errors falls fastest: n ∝ √A σ (Neyman 1934), with a floor for patches that have not yet
 //! seen how much they vary.
 
-use super::estimate::{BATCH, Half, PathTraced};
+use super::estimate::{Half, PathTraced};
 
 /// Batches that each half of every patch begins with.
 const FIRST: u32 = 4;
@@ -47,12 +47,13 @@ impl Budget {
 pub(super) type Round = [Vec<u32>; 2];
 
 /// The round to begin with.
-pub(super) fn first_round(patches: usize, budget: &Budget) -> Round {
-    let affordable =
-        budget.paths.map_or(u64::from(FIRST), |paths| paths / (2 * u64::from(BATCH) * patches.max(1) as u64));
-    // Two batches are the fewest that have a spread.
-    let batches = affordable.clamp(2, u64::from(FIRST)) as u32;
-    [vec![batches; patches], vec![batches; patches]]
+pub(super) fn first_round(estimate: &PathTraced, budget: &Budget) -> Round {
+    let n = estimate.len();
+    let affordable = budget.paths.map(|paths| paths / (2 * u64::from(estimate.batch) * n.max(1) as u64));
+    // Two batches are the fewest that have a spread. What time allows is not known yet.
+    let allowed = affordable.unwrap_or(if budget.seconds.is_some() { 2 } else { FIRST.into() });
+    let batches = allowed.clamp(2, FIRST.into()) as u32;
+    [vec![batches; n], vec![batches; n]]
 }
 
 /// The round that follows, when `used` of the budget is used up by `spent` paths in all.
@@ -60,7 +61,7 @@ pub(super) fn next_round(estimate: &PathTraced, used: f64) -> Round {
     let spent: u64 = (0..estimate.len()).map(|i| estimate.paths_of(i)).sum();
     // As many paths again, or what is left of the budget at the price so far.
     let left = spent as f64 * ((1.0 - used) / used.max(1e-9)).min(1.0);
-    let batches = (left / f64::from(2 * BATCH)).ceil();
+    let batches = (left / f64::from(2 * estimate.batch)).ceil();
     let [a, b] = &estimate.halves;
     [share_out(a, b, batches), share_out(b, a, batches)]
 }

@@ -28,13 +28,13 @@ pub struct BouncePictures {
 }
 
 impl BouncePictures {
-    /// Renders the terms E, KE, … of the series (n × c each) and their sums.
+    /// Renders the terms E, KE, … of the series (N × c each, N = n or 3n) and their sums.
     ///
     /// # Errors
     /// As [`render`].
     ///
     /// # Panics
-    /// If a term has not n rows.
+    /// If a term has neither n nor 3n rows, or not as many as the others.
     pub fn render(
         tracer: &Tracer,
         patches: &Patches,
@@ -42,7 +42,7 @@ impl BouncePictures {
         camera: &Camera,
         options: &RenderOptions,
     ) -> Result<Vec<Self>, OutputError> {
-        let mut sum = DMatrix::zeros(patches.len(), patches.scene().channels());
+        let mut sum = DMatrix::zeros(terms.first().map_or(0, DMatrix::nrows), patches.scene().channels());
         let orders = terms.iter().enumerate().map(|(order, term)| {
             sum += term;
             let [sum, bounce] = [&sum, term].map(|field| render(tracer, patches, field, camera, options));

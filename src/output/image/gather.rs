@@ -1,7 +1,7 @@
 //! Final gathering: light at a point itself, not at its patch; L = Lₑ + ρ/π·(H of lamps + H of lights without area + H of all else).
 //!
 //! Lamps are sampled at points drawn on them, everything else by cosine-distributed rays that bring back the solution
-//! of the patch they land on. Such rays meet lamps too. Both ways count, weighted by the balance heuristic (Veach &
+//! where they land. Such rays meet lamps too. Both ways count, weighted by the balance heuristic (Veach &
 //! Guibas 1995, eq. 14), so that nothing is counted twice and no sample weighs more than the lamp is bright, however near
 //! the lamp.
 
@@ -11,7 +11,7 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 
 use super::super::to_rgb;
-use super::field::rgb_rows;
+use super::field::Elements;
 use crate::patches::Patches;
 use crate::scene::Side;
 use crate::trace::sampling::{cosine_hemisphere, frame_around};
@@ -23,8 +23,8 @@ pub(super) struct Gather<'a, 's> {
     patches: &'a Patches<'s>,
     lamps: Lamps,
     lights: Option<Lights>,
-    /// Radiance L of every patch.
-    radiance: Vec<DVec3>,
+    /// Radiance L wherever rays land.
+    radiance: Elements<'a, 's>,
     /// Of every material.
     reflectance: Vec<DVec3>,
     emission: Vec<DVec3>,
@@ -64,7 +64,7 @@ impl<'a, 's> Gather<'a, 's> {
             patches,
             lamps: Lamps::new(tracer),
             lights: Lights::new(tracer),
-            radiance: rgb_rows(radiance).collect(),
+            radiance: Elements::new(patches, radiance),
             reflectance: materials.iter().map(|m| to_rgb(&m.reflectance).into()).collect(),
             emission: materials.iter().map(|m| to_rgb(&m.emission).into()).collect(),
         }
@@ -141,7 +141,7 @@ impl<'a, 's> Gather<'a, 's> {
         let Some(patch) = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics) else {
             return DVec3::ZERO;
         };
-        let radiance = self.radiance[patch];
+        let radiance = self.radiance.at(patch, hit.barycentrics);
         if !self.lamps.contains(hit.face as usize, hit.side) {
             return radiance;
         }
@@ -150,7 +150,8 @@ impl<'a, 's> Gather<'a, 's> {
         let pdf = self.lamps.pdf(view, hit.face as usize);
         let g = geometry_term((place.point, place.normal), (there.point, there.normal));
         let share = if pdf > 0.0 { pdf / (pdf + g) } else { 0.0 };
-        radiance - self.emitted(hit.face, hit.side) * share
+        // A linear element that falls below what the lamp emits leaves nothing to add.
+        (radiance - self.emitted(hit.face, hit.side) * share).max(DVec3::ZERO)
     }
 }
 

@@ -25,9 +25,10 @@ use self::lens::Lens;
 use self::numbers::Numbers;
 use self::outlines::dimming;
 use self::samples::{FEW, MANY, Samples, Seen, rough_pixels, stratified};
+use super::limiter::limited;
 use super::{OutputError, Picture, to_rgb};
 use crate::measure::PathTracer;
-use crate::patches::Patches;
+use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{Camera, Side, Sky, SkyShares};
 use crate::trace::{Hit, Ray, Tracer};
@@ -35,9 +36,9 @@ use crate::trace::{Hit, Ray, Tracer};
 /// How radiance is found where a camera ray ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shading {
-    /// It is the patch's: the solution as it is.
+    /// It is the patch's at that point: the solution as it is, constant or linear.
     Flat,
-    /// It is interpolated between the patch's corners, see [`SmoothField`](super::SmoothField).
+    /// It is interpolated between the patch's corners, joined with those of its neighbours, see [`SmoothField`](super::SmoothField).
     Smooth,
     /// It is gathered there, from lamps and from the patches around, by [`RenderOptions::samples`] random rays: shadows
     /// are as sharp as the scene makes them, patches are not seen. Where everything is solved exactly this is exact in the mean;
@@ -118,16 +119,17 @@ const MOST_SAMPLES: u32 = 1 << 20;
 /// About so many pixels are rendered together, as a band of rows; 160 bytes each.
 const BAND: usize = 1 << 19;
 
-/// Renders `radiance` (n × c, W·sr⁻¹·m⁻²) as `camera` sees it; where nothing is met there is sky, or black where there is none;
+/// Renders `radiance` (N × c, W·sr⁻¹·m⁻²) as `camera` sees it; where nothing is met there is sky, or black where there is none;
 /// where no light comes it is black.
 ///
+/// N is the number of patches n or, for linear elements, 3n. Where these fall below zero they are shown with less of a tilt.
 /// The picture does not depend on the number of threads.
 ///
 /// # Errors
 /// `Size`, `Samples`, `Camera` or `Cancelled`.
 ///
 /// # Panics
-/// If `radiance` has not n rows.
+/// If `radiance` has neither n nor 3n rows.
 pub fn render(
     tracer: &Tracer,
     patches: &Patches,
@@ -135,13 +137,13 @@ pub fn render(
     camera: &Camera,
     options: &RenderOptions,
 ) -> Result<Picture, OutputError> {
-    assert_eq!(radiance.nrows(), patches.len(), "one row per patch");
+    let radiance = limited(Basis::of(patches, radiance), radiance);
     options.validate()?;
     if !camera.is_valid() {
         return Err(OutputError::Camera);
     }
     options.progress.at("render", 0.0)?;
-    let view = View::new(tracer, patches, radiance, camera, options);
+    let view = View::new(tracer, patches, &radiance, camera, options);
     Ok(view.picture((BAND / options.width).max(1))?)
 }
 
@@ -171,7 +173,7 @@ struct View<'a, 's> {
 /// What tells the radiance where a camera ray ends.
 enum Sight<'a, 's> {
     /// The solution: the same at every look, so a few samples do where nothing changes.
-    Field(Field),
+    Field(Field<'a, 's>),
     /// Light gathered there: random, so every pixel takes all its samples.
     Gather(Gather<'a, 's>),
     /// Light paths that start there: random too.
@@ -187,7 +189,7 @@ impl<'a, 's> View<'a, 's> {
         options: &'a RenderOptions,
     ) -> Self {
         let sight = match options.shading {
-            Shading::Flat => Sight::Field(Field::flat(radiance)),
+            Shading::Flat => Sight::Field(Field::flat(patches, radiance)),
             Shading::Smooth => Sight::Field(Field::smooth(tracer, patches, radiance)),
             Shading::Gather => Sight::Gather(Gather::new(tracer, patches, radiance)),
             Shading::Path => Sight::Path(PathTracer::new(tracer)),
