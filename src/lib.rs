@@ -66,8 +66,8 @@
 //!
 //! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take [`Sources`](transport::Sources) for what starts in them:
 //! `let sources = Sources::trace(&tracer, &patches, factors.basis(), &LightOptions::default())?`, then
-//! `sources.right_hand_side(&k)` for E, and [`Solution::under`](solve::Solution::under) to add H₀ to the irradiance. [`ReceiverRows`](transport::ReceiverRows) give the irradiance at
-//! points that are no patches.
+//! `sources.right_hand_side(&k)` for E, and [`Solution::under`](solve::Solution::under) to add H₀ to the irradiance.
+//! [`ReceiverRows`](transport::ReceiverRows) give the irradiance at points that are no patches.
 //!
 //! # The way through the house
 //!

@@ -50,8 +50,8 @@ impl Illuminance {
     pub fn of_surfaces(patches: &Patches, irradiance: &DMatrix<f64>, efficacy: f64) -> Vec<Self> {
         assert_eq!(irradiance.nrows(), patches.len(), "one row per patch");
         let scene = patches.scene();
-        let value = |i: usize| efficacy * luminance(irradiance.row(i).transpose().as_slice());
-        let values = (0..patches.len()).map(|i| (value(i), patches.area(i)));
+        let lux = illuminance(irradiance, efficacy);
+        let values = (0..patches.len()).map(|i| (lux[i], patches.area(i)));
         let (mut materials, mut objects) =
             (vec![Vec::new(); scene.materials().len()], vec![Vec::new(); scene.objects().len()]);
         for (i, value) in values.enumerate() {
@@ -70,9 +70,15 @@ impl Illuminance {
     /// A receiver, from the irradiance of its points (m × c, W·m⁻²).
     pub fn of_receiver(receiver: &Receiver, irradiance: &DMatrix<f64>, efficacy: f64) -> Self {
         let area = receiver.edges[0].cross(receiver.edges[1]).length() / receiver.len() as f64;
-        let value = |i: usize| efficacy * luminance(irradiance.row(i).transpose().as_slice());
-        Self::of("receiver", &receiver.name, (0..receiver.len()).map(|i| (value(i), area)))
+        let lux = illuminance(irradiance, efficacy);
+        Self::of("receiver", &receiver.name, lux.iter().map(|&value| (value, area)))
     }
+}
+
+/// Illuminance (lx, N × 1) of an irradiance (N × c, W·m⁻²) at an efficacy in lm·W⁻¹.
+pub fn illuminance(irradiance: &DMatrix<f64>, efficacy: f64) -> DMatrix<f64> {
+    let of = |i: usize, _| efficacy * luminance(irradiance.row(i).transpose().as_slice());
+    DMatrix::from_fn(irradiance.nrows(), 1, of)
 }
 
 /// Writes `photometry.csv`: a row per material, object and receiver, lx.

@@ -130,6 +130,9 @@ fn the_program_reports_lux_at_receivers_and_on_surfaces() {
         table.records().map(|row| row.unwrap().iter().map(str::to_owned).collect()).collect()
     };
     let number = |row: &[String], k: usize| row[k].parse::<f64>().unwrap();
+    // The picture has false colours: the floor is not grey.
+    let picture = image::open(folder.path("out/floor/illuminance.png")).unwrap().into_rgb8();
+    assert!(picture.pixels().any(|p| p.0[1] > p.0[2].saturating_add(40)));
     let points = table("receivers.csv");
     assert_eq!(points.len(), 9);
     // The middle of the desk is 1 m below 100 cd: 100 lx, 100/683 W/m².

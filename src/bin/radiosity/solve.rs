@@ -1,7 +1,7 @@
 //! `radiosity solve`: the main job.
 
 use radiosity::measure::{Energy, Undershoot};
-use radiosity::output::{self, Illuminance, PlanEntry, SeriesSummary, Summary};
+use radiosity::output::{self, Illuminance, PlanEntry, RenderOptions, SeriesSummary, Shading, Summary};
 use radiosity::patches::Basis;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
@@ -19,7 +19,8 @@ pub struct Args {
     factors: FactorsArgs,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Also report in lumens: photometry.csv with mean, lowest and highest illuminance and uniformity by material, object and receiver
+    /// Also report in lux: photometry.csv with mean, lowest and highest illuminance and uniformity by material, object and receiver,
+    /// and illuminance.png in false colours
     #[arg(long, help_heading = "Photometry")]
     photometric: bool,
 
@@ -84,11 +85,20 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let camera = args::camera(&tracer, &patches);
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
     args::warn_if_black(&picture, terminal);
+    let whole = solution.clone().under(&sources);
+    // Illuminance is shown from patches and corners, however light is.
+    let shading = if look.shading == Shading::Flat { Shading::Flat } else { Shading::Smooth };
+    let look = RenderOptions { shading, ..look };
+    let false_colours = args.photometric.then(|| {
+        let lux = output::illuminance(&whole.irradiance, scene.efficacy());
+        output::render(&tracer, &patches, &lux, &camera, &look)
+    });
+    let false_colours = false_colours.transpose()?;
     progress.at("write", 0.0)?;
     let exposure = args.picture.exposure(&picture);
     let mut outputs = args.scene.outputs(&scene)?;
     // Tables have the means over patches.
-    let means = solution.clone().under(&sources).means(basis);
+    let means = whole.means(basis);
     let (irradiance, radiance) = (&means.irradiance, &means.radiance);
     outputs.file("faces.csv", |file| output::write_faces(file, &patches, irradiance, radiance))?;
     outputs.file("patches.csv", |file| output::write_patches(file, &patches, irradiance, radiance))?;
@@ -104,6 +114,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     if args.photometric {
         photometry.splice(0..0, Illuminance::of_surfaces(&patches, irradiance, efficacy));
         outputs.file("photometry.csv", |file| output::write_photometry(file, &photometry))?;
+    }
+    if let Some(picture) = &false_colours {
+        outputs.file("illuminance.png", |file| output::write_illuminance(file, picture))?;
     }
     if args.lamp_groups {
         let lamps: Vec<_> = names.into_iter().zip(&by_group).collect();
