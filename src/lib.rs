@@ -8,7 +8,7 @@
 //! directly, or as the Neumann series, one bounce of light after another.
 //!
 //! ```
-//! use radiosity::{measure::Energy, output, patches::*, scene::Scene, solve, trace::Tracer, transport::*};
+//! use radiosity::{measure::*, output, patches::*, scene::Scene, solve, trace::Tracer, transport::*};
 //!
 //! # fn main() -> Result<(), radiosity::Error> {
 //! let scene = Scene::cornell_box(); // or Scene::load("room.obj")?
@@ -30,6 +30,12 @@
 //!
 //! let energy = Energy::new(&k, &e, &exact.radiance, 1.0);
 //! assert!(energy.imbalance < 1e-12);
+//!
+//! // Ask an independent witness, who knows its own standard error.
+//! let budget = Budget { paths: Some(50_000), ..Default::default() };
+//! let truth = PathTracer::new(&tracer).irradiance(&patches, &PathOptions { budget, ..Default::default() })?;
+//! let difference = Difference::new(&exact.irradiance, &truth);
+//! assert!(difference.rms < 0.1 && difference.bias.abs() < 0.02 + 3.0 * difference.bias_error);
 //!
 //! let camera = output::default_camera(&tracer, &patches);
 //! let options = output::RenderOptions { width: 80, height: 60, ..Default::default() };
@@ -63,6 +69,9 @@
 //! meshes take either. *Order k* of the series is L_k = Lₑ + ρH_k/π with H_k = H₀ + πF L_{k−1} and L_{−1} = 0; *bounce k* is KᵏE, what order k adds.
 //! A *guaranteed* bound holds for the operator at hand in exact arithmetic; it does not speak of how well that operator stands
 //! for the scene.
+//!
+//! Mirrors and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
+//! beside it.
 //!
 //! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take [`Sources`](transport::Sources) for what starts in them:
 //! `let sources = Sources::trace(&tracer, &patches, factors.basis(), &LightOptions::default())?`, then

@@ -16,7 +16,7 @@ pub struct Energy {
     pub absorbed: Vec<f64>,
     /// π Σ A L F_i∞, what leaves the scene.
     pub escaped: Vec<f64>,
-    /// What mirrors and glass absorb.
+    /// What mirrors and glass absorb, π Σ A L times the share that ends there.
     pub carriers: Vec<f64>,
     /// What paths lose that are cut short.
     pub lost: Vec<f64>,
@@ -49,19 +49,14 @@ impl Energy {
         };
         let emitted: Vec<f64> = sources.flux(k.mass()).into_iter().map(|flux| unit * flux).collect();
         let absorbed = weigh(&|i, c| (1.0 - k.reflectance()[(i, c)]) * area[i] * irradiance[(i, c)]);
-        let escaped = weigh(&|i, c| PI * k.exchange().escape()[i] * l[(i, c)]);
+        let escaped = weigh(&|i, c| PI * k.exchange().escape(i) * l[(i, c)]);
+        let carriers = weigh(&|i, c| PI * k.exchange().absorbed(i) * l[(i, c)]);
+        let lost = weigh(&|i, c| PI * k.exchange().lost(i) * l[(i, c)]);
         let off = |c: usize| match emitted[c] {
             0.0 => 0.0,
-            emitted => ((emitted - absorbed[c] - escaped[c]) / emitted).abs(),
+            emitted => ((emitted - absorbed[c] - escaped[c] - carriers[c] - lost[c]) / emitted).abs(),
         };
         let imbalance = (0..channels).map(off).fold(0.0, f64::max);
-        Self {
-            emitted,
-            absorbed,
-            escaped,
-            carriers: vec![0.0; channels],
-            lost: vec![0.0; channels],
-            imbalance,
-        }
+        Self { emitted, absorbed, escaped, carriers, lost, imbalance }
     }
 }

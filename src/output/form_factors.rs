@@ -112,7 +112,7 @@ impl<'a> FactorTable<'a> {
                 let away = self.row(a).iter().find(|v| v.to.is_none());
                 away.map_or((0.0, Some(0.0)), |v| (v.form_factor, Some(v.standard_error)))
             }
-            Values::Patches(exchange) => (exchange.escape()[a] / exchange.areas()[a], None),
+            Values::Patches(exchange) => (exchange.escape(a) / exchange.areas()[a], None),
         }
     }
 

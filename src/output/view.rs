@@ -170,7 +170,8 @@ fn score(tracer: &Tracer, patches: &Patches, camera: &Camera) -> f64 {
             continue;
         };
         let face = hit.face as usize;
-        if lit && patches.patch_at(face, hit.side, hit.barycentrics).is_none() {
+        if lit && !tracer.is_carrier(hit.face) && patches.patch_at(face, hit.side, hit.barycentrics).is_none()
+        {
             dark += one;
             continue;
         }

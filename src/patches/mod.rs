@@ -16,7 +16,7 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 
 use crate::progress::{Cancelled, Progress};
-use crate::scene::{FaceState, Scene, Side};
+use crate::scene::{Scene, Side};
 use crate::trace::{Frame, Ray, Tracer, sampling};
 pub use aggregate::FaceRow;
 pub use basis::Basis;
@@ -166,7 +166,8 @@ impl<'s> Patches<'s> {
     /// Cuts every face for legs up to `edge` (normalised); no slot is a patch yet.
     fn cut(tracer: &Tracer<'s>, edge: f64, options: &Tessellation) -> Result<Self, PatchError> {
         let scene = tracer.scene();
-        let kept = |f: usize| scene.faces()[f].state == FaceState::Kept;
+        // Carriers are on the way between patches and no patches themselves.
+        let kept = |f: usize| scene.is_diffuse(f);
         let faces = scene.faces().len();
         let cells = (0..faces).filter(|&f| kept(f)).map(|f| subdivide::cells_for(tracer.corners(f), edge));
         let slots = 2 * cells.sum::<u64>();
@@ -255,14 +256,17 @@ impl<'s> Patches<'s> {
         self.edge
     }
 
-    /// The patch in which a point of a face's side lies; none where light does not reach.
+    /// The patch in which a point of a face's side lies; none where light does not reach, and on mirrors and glass.
     #[inline]
     pub fn patch_at(&self, face: usize, side: Side, point: Barycentrics) -> Option<usize> {
+        if self.first_slot[face] == self.first_slot[face + 1] {
+            return None;
+        }
         let patch = self.patch_of_slot[self.slot_at(face, side, point) as usize];
         (patch != NONE).then_some(patch as usize)
     }
 
-    /// The slot in which a point of a face's side lies.
+    /// The slot in which a point of a diffuse face's side lies.
     #[inline]
     pub(crate) fn slot_at(&self, face: usize, side: Side, point: Barycentrics) -> u32 {
         self.first_slot_of(face, side) + self.cuts.cell_at(face, point)
@@ -455,7 +459,7 @@ const DARK_PER_PATCH: f64 = 16.0;
 /// of each face's sides is.
 fn edge_for(tracer: &Tracer, count: usize, share: impl Fn(usize) -> [f64; 2]) -> (f64, f64) {
     let faces: Vec<(usize, f64)> = (0..tracer.scene().faces().len())
-        .filter(|&f| tracer.scene().faces()[f].state == FaceState::Kept)
+        .filter(|&f| tracer.scene().is_diffuse(f))
         .map(|f| (f, share(f).iter().sum::<f64>()))
         .collect();
     let whole: f64 = faces.iter().map(|&(_, share)| share).sum();

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{Patches, Slot, Tessellation};
 use crate::progress::Cancelled;
 use crate::scene::Side;
-use crate::trace::{Lamps, Lights, Tracer, geometry_term, sampling::Sequence};
+use crate::trace::{Destination, Lamps, Lights, Ray, Tracer, geometry_term, sampling::Sequence};
 
 /// Which sides become patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,9 +137,18 @@ impl Patches<'_> {
         let look_from = |&slot: &u32| {
             let sequence = Sequence::new(seed, STREAM + slot as u64, 0);
             let rays = self.facet(tracer, slot).rays(sequence, 0..rays);
-            let hits = rays.filter_map(|ray| tracer.closest_hit(&ray));
-            let mut landings: Vec<u32> =
-                hits.map(|hit| self.slot_at(hit.face as usize, hit.side, hit.barycentrics)).collect();
+            let landing = |(ray, point): (Ray, u32)| {
+                // By way of carriers too, and whatever their colour.
+                let numbers = |k: u32| sequence.dimensions(point, k + 1);
+                let passes = |colour: &[f64], _: f64| colour.iter().any(|&part| part > 0.0);
+                match tracer.destination(&ray, numbers, passes) {
+                    Destination::Diffuse { hit, .. } => {
+                        Some(self.slot_at(hit.face as usize, hit.side, hit.barycentrics))
+                    }
+                    Destination::Away(_) | Destination::Absorbed | Destination::Lost => None,
+                }
+            };
+            let mut landings: Vec<u32> = rays.zip(0..).filter_map(landing).collect();
             landings.sort_unstable();
             landings.dedup();
             landings
@@ -171,6 +180,9 @@ impl Patches<'_> {
         let channels = self.scene.channels();
         let is_lit = |slot: u32| {
             let facet = self.facet(tracer, slot);
+            if tracer.is_carrier(facet.face) {
+                return false;
+            }
             let sequence = Sequence::new(seed, LIGHT_STREAM + u64::from(slot), 0);
             (0..LAMP_LOOKS).any(|k| {
                 let [s, t, u, v] = sequence.point(k);

@@ -1,19 +1,69 @@
 //! Material: how a surface reflects and emits.
 
-/// What a surface does with light beside reflecting it diffusely.
+/// How a surface passes light on.
 ///
-/// Only diffuse reflection and emission are simulated today; the other kinds are recognised so that
-/// a run can name them as not yet simulated, and act by their diffuse reflectance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Mirrors and dielectrics are *carriers*: light goes on from them in one direction or two, so that they are no patches but part of
+/// the way between patches.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
     /// Lambertian: radiance leaves equally in every direction.
     Diffuse,
-    /// Perfect mirror (`illum 3`).
-    Mirror,
-    /// Smooth glass or water (`illum 4`, `6`, `7` or `9`).
-    Dielectric,
-    /// Rough conductor or plastic (`Pr`, `Pm`, or `illum 5`).
+    /// Perfect mirror (`illum 3`), on both sides.
+    Mirror {
+        /// Reflectance Ks per channel, 0 to 1.
+        reflectance: Vec<f64>,
+    },
+    /// Smooth glass or water (`illum 4`, `6`, `7` or `9`), bounded by closed surfaces that front outward.
+    Dielectric {
+        /// Index of refraction Ni of what lies behind the front, relative to what lies before it.
+        index: f64,
+        /// Which part of the light Tf passes at each crossing of the surface, per channel, 0 to 1.
+        filter: Vec<f64>,
+    },
+    /// Rough conductor or plastic (`Pr`, `Pm`, or `illum 5`): recognised so that a run can name it as not yet simulated; it acts by
+    /// its diffuse reflectance.
     Glossy,
+}
+
+impl Surface {
+    /// Whether light goes on from it without being spread diffusely.
+    pub fn is_carrier(&self) -> bool {
+        matches!(self, Self::Mirror { .. } | Self::Dielectric { .. })
+    }
+
+    /// What it does to light's colour, per channel; nothing for surfaces that are no carriers.
+    pub fn colour(&self) -> Option<&[f64]> {
+        match self {
+            Self::Mirror { reflectance } => Some(reflectance),
+            Self::Dielectric { filter, .. } => Some(filter),
+            Self::Diffuse | Self::Glossy => None,
+        }
+    }
+
+    fn colour_mut(&mut self) -> Option<&mut Vec<f64>> {
+        match self {
+            Self::Mirror { reflectance } => Some(reflectance),
+            Self::Dielectric { filter, .. } => Some(filter),
+            Self::Diffuse | Self::Glossy => None,
+        }
+    }
+
+    /// What is not physical about it, if anything.
+    fn check(&self) -> Result<(), String> {
+        let outside = |values: &[f64]| values.iter().copied().find(|x| !(0.0..=1.0).contains(x));
+        match self {
+            Self::Mirror { reflectance } => outside(reflectance).map_or(Ok(()), |r| {
+                Err(format!("mirror reflectance {r} (Ks in MTL files) must lie between 0 and 1"))
+            }),
+            Self::Dielectric { index, .. } if !(index.is_finite() && *index > 0.0) => Err(format!(
+                "index of refraction {index} (Ni in MTL files) must be positive; glass has 1.5, water 1.33"
+            )),
+            Self::Dielectric { filter, .. } => outside(filter).map_or(Ok(()), |t| {
+                Err(format!("transmission filter {t} (Tf in MTL files) must lie between 0 and 1"))
+            }),
+            Self::Diffuse | Self::Glossy => Ok(()),
+        }
+    }
 }
 
 /// A surface's reflectance and emission, one value per channel.
@@ -25,7 +75,7 @@ pub struct Material {
     pub reflectance: Vec<f64>,
     /// Emitted radiance Lₑ of the front side, per channel, W·sr⁻¹·m⁻².
     pub emission: Vec<f64>,
-    /// What the surface does beside reflecting diffusely.
+    /// How the surface passes light on. Carriers neither reflect diffusely nor emit.
     pub surface: Surface,
     /// Whether the file gives the reflectance or emission as a picture.
     pub textured: bool,
@@ -48,6 +98,18 @@ impl Material {
         Self { emission: emission.to_vec(), ..Self::diffuse(name, reflectance) }
     }
 
+    /// A perfect mirror that reflects this part of the light, per channel.
+    pub fn mirror(name: impl Into<String>, reflectance: &[f64]) -> Self {
+        let surface = Surface::Mirror { reflectance: reflectance.to_vec() };
+        Self { surface, ..Self::diffuse(name, &vec![0.0; reflectance.len()]) }
+    }
+
+    /// A smooth dielectric of this index of refraction, which lets this part of the light pass each of its surfaces, per channel.
+    pub fn dielectric(name: impl Into<String>, index: f64, filter: &[f64]) -> Self {
+        let surface = Surface::Dielectric { index, filter: filter.to_vec() };
+        Self { surface, ..Self::diffuse(name, &vec![0.0; filter.len()]) }
+    }
+
     /// Whether the front side emits in any channel.
     pub fn emits(&self) -> bool {
         self.emission.iter().any(|&e| e > 0.0)
@@ -66,12 +128,31 @@ impl Material {
         if let Some(e) = self.emission.iter().find(|e| !(e.is_finite() && **e >= 0.0)) {
             return Err(format!("emission {e} (Ke in MTL files) must be finite and not negative"));
         }
-        Ok(())
+        if self.surface.is_carrier() && (self.emits() || self.reflects()) {
+            return Err(
+                "a mirror or glass neither emits nor reflects diffusely; give that to a material of its own"
+                    .into(),
+            );
+        }
+        self.surface.check()
+    }
+
+    /// Whether every colour has this many channels.
+    pub(super) fn has_channels(&self, channels: usize) -> bool {
+        let surface = self.surface.colour().is_none_or(|colour| colour.len() == channels);
+        self.reflectance.len() == channels && self.emission.len() == channels && surface
+    }
+
+    /// Keeps the first channel only.
+    pub(super) fn keep_one_channel(&mut self) {
+        self.reflectance.truncate(1);
+        self.emission.truncate(1);
+        self.surface.colour_mut().into_iter().for_each(|colour| colour.truncate(1));
     }
 
     /// Whether all channels agree.
     pub(super) fn is_grey(&self) -> bool {
         let flat = |v: &[f64]| v.iter().all(|&x| x == v[0]);
-        flat(&self.reflectance) && flat(&self.emission)
+        flat(&self.reflectance) && flat(&self.emission) && self.surface.colour().is_none_or(flat)
     }
 }

@@ -6,6 +6,7 @@
 
 mod builtin;
 mod camera;
+mod glass;
 mod light;
 mod light_settings;
 mod lines;
@@ -263,10 +264,7 @@ impl Scene {
             && powers().all(|power| power.iter().all(|x| *x == power[0]))
         {
             channels = 1;
-            for material in &mut materials {
-                material.reflectance.truncate(1);
-                material.emission.truncate(1);
-            }
+            materials.iter_mut().for_each(Material::keep_one_channel);
             lights.iter_mut().for_each(|light| light.power_mut().truncate(1));
             sky.iter_mut().for_each(|sky| sky.zenith.truncate(1));
         }
@@ -277,6 +275,8 @@ impl Scene {
         if faces.iter().all(|face| face.state != FaceState::Kept) {
             return Err(SceneError::NoArea { name });
         }
+        glass::warn_of_missing_insides(&faces, &vertices, &materials, &mut warnings);
+        warn_of_shadows(&lights, sky.as_ref(), &materials, &mut warnings);
         Ok(Self {
             name,
             vertices,
@@ -364,6 +364,16 @@ impl Scene {
         &self.materials[self.faces[face].material as usize]
     }
 
+    /// Whether a face takes part and is a carrier: a mirror or glass.
+    pub fn is_carrier(&self, face: usize) -> bool {
+        self.faces[face].state == FaceState::Kept && self.material_of(face).surface.is_carrier()
+    }
+
+    /// Whether a face takes part and spreads light diffusely: then it is cut into patches.
+    pub fn is_diffuse(&self, face: usize) -> bool {
+        self.faces[face].state == FaceState::Kept && !self.material_of(face).surface.is_carrier()
+    }
+
     /// The corners of a face, metres.
     pub fn corners(&self, face: usize) -> [DVec3; 3] {
         self.faces[face].vertices.map(|v| self.vertices[v as usize])
@@ -410,8 +420,9 @@ fn check_materials(materials: &[Material]) -> Result<usize, SceneError> {
     let channels = materials.first().map_or(1, |m| m.reflectance.len());
     for material in materials {
         let error = |message| SceneError::Material { material: material.name.clone(), message };
-        if channels == 0 || material.reflectance.len() != channels || material.emission.len() != channels {
-            let message = format!("every reflectance and emission must have {} channels", channels.max(1));
+        if channels == 0 || !material.has_channels(channels) {
+            let message =
+                format!("every reflectance, emission and filter must have {} channels", channels.max(1));
             return Err(error(message));
         }
         material.check().map_err(error)?;
@@ -426,6 +437,18 @@ fn check_lights(lights: &[Light], sky: Option<&Sky>, channels: usize) -> Result<
     }
     let error = |message| SceneError::Light { light: "sky".into(), message };
     sky.map_or(Ok(()), |sky| sky.check(channels).map_err(error))
+}
+
+/// Says so where mirrors and glass stand in the way of lights that they should pass on.
+fn warn_of_shadows(lights: &[Light], sky: Option<&Sky>, materials: &[Material], warnings: &mut Vec<String>) {
+    let mut carriers = materials.iter().filter(|material| material.surface.is_carrier()).peekable();
+    if carriers.peek().is_some() && (sky.is_some() || !lights.is_empty()) {
+        let names: Vec<&str> = carriers.map(|material| material.name.as_str()).collect();
+        warnings.push(format!(
+            "lights without area and the sky do not shine through or off these yet, which cast shadows: {}",
+            names.join(", ")
+        ));
+    }
 }
 
 /// Marks zero-area faces and exact duplicates, and says how many there were.

@@ -103,7 +103,7 @@ fn plain(path: &Path, text: &str) -> Result<String, SceneError> {
 /// What follows a key, spelled out.
 fn value(key: &str, rest: &str) -> Result<String, String> {
     match key {
-        "Ka" | "Kd" | "Ks" | "Ke" => match numbers(rest).as_deref() {
+        "Ka" | "Kd" | "Ks" | "Ke" | "Tf" => match numbers(rest).as_deref() {
             Some(&[grey]) => Ok(format!("{grey:e} {grey:e} {grey:e}")),
             Some([r, g, b]) => Ok(format!("{r:e} {g:e} {b:e}")),
             _ => Err(format!("{key} must be followed by one or three numbers")),
@@ -128,9 +128,18 @@ fn value(key: &str, rest: &str) -> Result<String, String> {
 /// What an entry means.
 pub(super) fn material(m: &tobj::Material, warnings: &mut Vec<String>) -> Material {
     let has = |key: &str| m.unknown_param.contains_key(key);
+    let emission = m.emissive.unwrap_or([0.0; 3]);
     let surface = match m.illumination_model {
-        Some(3) => Surface::Mirror,
-        Some(4 | 6 | 7 | 9) => Surface::Dielectric,
+        Some(3 | 4 | 6 | 7 | 9) if emission.iter().any(|&e| e > 0.0) => {
+            warnings.push(format!(
+                "material {} emits (Ke): taken as a diffuse lamp, not as a mirror or glass; give the glass around a lamp a material \
+                 of its own",
+                m.name
+            ));
+            Surface::Diffuse
+        }
+        Some(3) => mirror(m, warnings),
+        Some(4 | 6 | 7 | 9) => dielectric(m, warnings),
         Some(5) => Surface::Glossy,
         _ if has("Pr") || has("Pm") => Surface::Glossy,
         _ => Surface::Diffuse,
@@ -138,12 +147,37 @@ pub(super) fn material(m: &tobj::Material, warnings: &mut Vec<String>) -> Materi
     if m.diffuse.is_none() && surface == Surface::Diffuse {
         warnings.push(format!("material {} has no Kd: taken as grey 0.5", m.name));
     }
-    let kd = m.diffuse.unwrap_or(if surface == Surface::Diffuse { GREY } else { [0.0; 3] });
+    let mut kd = m.diffuse.unwrap_or(if surface == Surface::Diffuse { GREY } else { [0.0; 3] });
+    if surface.is_carrier() && kd != [0.0; 3] {
+        warnings.push(format!("material {} is a mirror or glass (illum): its Kd is ignored", m.name));
+        kd = [0.0; 3];
+    }
     Material {
         name: m.name.clone(),
         reflectance: kd.to_vec(),
-        emission: m.emissive.unwrap_or([0.0; 3]).to_vec(),
+        emission: emission.to_vec(),
         surface,
         textured: m.diffuse_texture.is_some() || has("map_Ke"),
+    }
+}
+
+fn mirror(m: &tobj::Material, warnings: &mut Vec<String>) -> Surface {
+    if m.specular.is_none() {
+        warnings.push(format!("material {} is a mirror without Ks: taken to reflect everything", m.name));
+    }
+    Surface::Mirror { reflectance: m.specular.unwrap_or([1.0; 3]).to_vec() }
+}
+
+fn dielectric(m: &tobj::Material, warnings: &mut Vec<String>) -> Surface {
+    if m.optical_density.is_none() {
+        warnings.push(format!(
+            "material {} is glass without Ni: its index of refraction is taken as 1.5",
+            m.name
+        ));
+    }
+    let filter = m.unknown_param.get("Tf").and_then(|rest| numbers(rest));
+    Surface::Dielectric {
+        index: m.optical_density.unwrap_or(1.5),
+        filter: filter.unwrap_or_else(|| vec![1.0; 3]),
     }
 }

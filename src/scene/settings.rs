@@ -9,7 +9,7 @@ use toml::Spanned;
 
 use super::light_settings::{LightSettings, SkySettings};
 use super::photometry::EFFICACY;
-use super::{Camera, Receiver, SceneError, SceneParts};
+use super::{Camera, Receiver, SceneError, SceneParts, Surface};
 
 /// The content of a scene's `.toml`.
 #[derive(Debug, Deserialize)]
@@ -116,7 +116,10 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
         };
         let MaterialSettings { reflectance, emission } = given.get_ref();
         if let Some(reflectance) = reflectance {
-            material.reflectance = reflectance.channels();
+            match &mut material.surface {
+                Surface::Mirror { reflectance: mirrored } => *mirrored = reflectance.channels(),
+                _ => material.reflectance = reflectance.channels(),
+            }
         }
         if let Some(emission) = emission {
             material.emission = emission.channels();

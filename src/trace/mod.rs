@@ -11,6 +11,7 @@ mod bvh;
 mod lamps;
 mod lights;
 pub mod sampling;
+mod scatter;
 mod sky;
 mod triangle;
 
@@ -20,6 +21,7 @@ use crate::scene::{FaceState, Scene, Side};
 use bvh::Bvh;
 pub use lamps::{LampPoint, LampView, Lamps, form_factor_to_triangle, geometry_term};
 pub use lights::{Beam, Lights, solid_angle};
+pub use scatter::{Destination, Scattered, fresnel};
 pub use sky::SkySampler;
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.
@@ -94,6 +96,8 @@ pub struct Tracer<'s> {
     frame: Frame,
     corners: Vec<[DVec3; 3]>,
     normals: Vec<DVec3>,
+    /// Per face whether it is a carrier; empty where none is.
+    carriers: Vec<bool>,
     bvh: Bvh,
 }
 
@@ -108,7 +112,11 @@ impl<'s> Tracer<'s> {
             (0..scene.faces().len()).map(|f| scene.corners(f).map(|p| frame.from_world(p))).collect();
         let normals = corners.iter().map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero()).collect();
         let bvh = Bvh::new(&corners, &kept);
-        Self { scene, frame, corners, normals, bvh }
+        let mut carriers: Vec<bool> = (0..scene.faces().len()).map(|f| scene.is_carrier(f)).collect();
+        if !carriers.contains(&true) {
+            carriers = Vec::new();
+        }
+        Self { scene, frame, corners, normals, carriers, bvh }
     }
 
     /// The scene whose faces these are.
@@ -132,6 +140,17 @@ impl<'s> Tracer<'s> {
             Side::Front => self.normals[face],
             Side::Back => -self.normals[face],
         }
+    }
+
+    /// Whether a face passes light on as a mirror or as glass.
+    #[inline]
+    pub fn is_carrier(&self, face: u32) -> bool {
+        self.carriers.get(face as usize).is_some_and(|&carrier| carrier)
+    }
+
+    /// Whether any face does.
+    pub fn has_carriers(&self) -> bool {
+        !self.carriers.is_empty()
     }
 
     /// The first face that the ray meets, if any. Equally near faces: the lower number.

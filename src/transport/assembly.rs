@@ -4,8 +4,9 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sprs::CsMatI;
 
+use super::landing::End;
 use super::moments;
-use super::rays::{AWAY, Rows};
+use super::rays::Rows;
 use super::recipe::BATCHES;
 use super::storage::{Storage, StorageKind};
 use crate::patches::{Basis, Patches};
@@ -14,10 +15,58 @@ use crate::scene::Side;
 /// Raw exchange areas: symmetric, not yet balanced.
 pub(super) struct Raw {
     pub storage: Storage,
-    /// Per coefficient.
-    pub escape: DVector<f64>,
+    /// What ends elsewhere than on patches, per coefficient.
+    pub leaving: Leaving,
     /// Which coefficients are those of lamps, known better than the rest.
     pub is_lamp: Vec<bool>,
+}
+
+/// What ends elsewhere than on patches, in units of exchange areas.
+pub(super) struct Leaving {
+    /// All of it, per coefficient.
+    pub all: DVector<f64>,
+    /// Which shares of it carriers absorb and paths lose that are cut short, per coefficient; none without carriers.
+    pub in_carriers: Option<[DVector<f64>; 2]>,
+}
+
+impl Leaving {
+    /// Puts together what escapes, is absorbed and is lost per coefficient.
+    pub fn new(parts: &[[f64; 3]], has_carriers: bool) -> Self {
+        let n = parts.len();
+        let all = DVector::from_fn(n, |i, _| parts[i].iter().sum());
+        let share = |kind: usize| {
+            DVector::from_fn(n, |i, _| if all[i] > 0.0 { parts[i][kind] / all[i] } else { 0.0 })
+        };
+        let in_carriers = has_carriers.then(|| [share(ABSORBED), share(LOST)]);
+        Self { all, in_carriers }
+    }
+}
+
+/// Places in what leaves a patch.
+pub(super) const ESCAPED: usize = 0;
+const ABSORBED: usize = 1;
+const LOST: usize = 2;
+
+/// What becomes of a ray from a patch, once slots have become patches.
+pub(super) enum Outcome {
+    /// It meets this patch, by way of carriers or straight.
+    Met { patch: u32, carried: bool },
+    /// It counts to one kind of what leaves.
+    Left(usize),
+}
+
+impl Outcome {
+    /// A side without light is as good as outside.
+    #[inline]
+    pub fn of(end: End, patches: &Patches) -> Self {
+        match end.slot().map(|slot| patches.patch_of_slot(slot)) {
+            Some(Some(patch)) => Self::Met { patch, carried: end.is_carried() },
+            Some(None) => Self::Left(ESCAPED),
+            None if end == End::ABSORBED => Self::Left(ABSORBED),
+            None if end == End::LOST => Self::Left(LOST),
+            None => Self::Left(ESCAPED),
+        }
+    }
 }
 
 /// Sums up what the rows of all patches found; without batch `left_out`, if there is one.
@@ -32,13 +81,19 @@ pub(super) fn assemble(rows: &Rows, patches: &Patches, kind: StorageKind, left_o
         return moments::assemble(rows, patches, kind, left_out, &is_lamp);
     }
     let finder = Finder { rows, patches, is_lamp: &is_lamp, left_out };
-    let (parts, escape): (Vec<Vec<Part>>, Vec<f64>) =
+    let (parts, leaving): (Vec<Vec<Part>>, Vec<[f64; 3]>) =
         (0..n).into_par_iter().map(|i| finder.found_by(i)).unzip();
     let storage = match kind.resolve(n, &parts) {
         StorageKind::Dense => Storage::Dense(dense(n, &parts)),
         _ => Storage::Sparse(sparse(n, &parts)),
     };
-    Raw { storage, escape: DVector::from_vec(escape), is_lamp }
+    Raw { storage, leaving: Leaving::new(&leaving, has_carriers(patches)), is_lamp }
+}
+
+/// Whether there is any carrier in the scene.
+pub(super) fn has_carriers(patches: &Patches) -> bool {
+    let scene = patches.scene();
+    (0..scene.faces().len()).any(|face| scene.is_carrier(face))
 }
 
 /// What one patch found of its exchange area with another; the pair's exchange area is the sum of both findings.
@@ -53,46 +108,70 @@ struct Finder<'a> {
 }
 
 impl Finder<'_> {
-    /// What patch i found: its parts, ascending, and what escapes from it; a side without light is as good as outside.
+    /// What patch i found: its parts, ascending, and what escapes from it, is absorbed by carriers or lost.
     ///
     /// A landing of i on j is worth A_i/N. Its variance grows with A_i, so the two directions of a pair are averaged with
     /// weights A_j and A_i: each landing between i and j is then worth the same from either side. Of a lamp its receivers
-    /// know more than it does itself: between the two, only what they found counts.
-    fn found_by(&self, i: usize) -> (Vec<Part>, f64) {
+    /// know more than it does itself: between the two, only what they found counts, straight on by light sampling and by way of
+    /// carriers by their rays.
+    fn found_by(&self, i: usize) -> (Vec<Part>, [f64; 3]) {
         let areas = self.patches.areas();
+        let mut leaving = [0.0; 3];
         let Some(row) = self.rows.of(self.patches.slot_of_patch(i)) else {
-            return (Vec::new(), areas[i]);
+            leaving[ESCAPED] = areas[i];
+            return (Vec::new(), leaving);
         };
         let batch_size = row.landings.len() / BATCHES as usize;
         let batches =
             row.landings.chunks(batch_size).zip(0..).filter(|&(_, batch)| Some(batch) != self.left_out);
-        let number =
-            |slot: u32| if slot == AWAY { AWAY } else { self.patches.patch_of_slot(slot).unwrap_or(AWAY) };
-        let mut sorted: Vec<u32> =
-            batches.flat_map(|(landings, _)| landings.iter().map(|&s| number(s))).collect();
+        let (mut rays, mut left, mut carried_to_lamps) = (0.0, [0.0; 3], Vec::new());
+        let mut sorted: Vec<u32> = Vec::with_capacity(row.landings.len());
+        for &end in batches.flat_map(|(landings, _)| landings) {
+            rays += 1.0;
+            match Outcome::of(end, self.patches) {
+                Outcome::Left(kind) => left[kind] += 1.0,
+                Outcome::Met { patch, .. } if self.is_lamp[patch as usize] == self.is_lamp[i] => {
+                    sorted.push(patch)
+                }
+                Outcome::Met { patch, carried } if carried && !self.is_lamp[i] => {
+                    carried_to_lamps.push(patch)
+                }
+                Outcome::Met { .. } => {}
+            }
+        }
         sorted.sort_unstable();
-        let rays = sorted.len() as f64;
-        let mut escape = 0.0;
+        (0..3).for_each(|kind| leaving[kind] = areas[i] * left[kind] / rays);
         let mut parts: Vec<Part> = Vec::new();
         for run in sorted.chunk_by(|a, b| a == b) {
             let (patch, count) = (run[0], run.len() as f64);
-            if patch == AWAY {
-                escape = areas[i] * count / rays;
-            } else if self.is_lamp[patch as usize] == self.is_lamp[i] {
-                let j = patch as usize;
-                parts.push((patch, areas[i] * areas[j] / (areas[i] + areas[j]) * count / rays));
-            }
+            let j = patch as usize;
+            parts.push((patch, areas[i] * areas[j] / (areas[i] + areas[j]) * count / rays));
         }
         let used = if self.left_out.is_some() { BATCHES - 1 } else { BATCHES };
         let worth = areas[i] * BATCHES as f64 / used as f64;
         let mut of_lamps: Vec<_> =
             row.lamp_shares.iter().filter(|s| Some(s.batch) != self.left_out).collect();
         of_lamps.sort_unstable_by_key(|s| (s.slot, s.batch));
+        let mut lamps: Vec<Part> = Vec::new();
         for run in of_lamps.chunk_by(|a, b| a.slot == b.slot) {
-            parts.push((number(run[0].slot), worth * run.iter().map(|s| f64::from(s.share)).sum::<f64>()));
+            if let Some(patch) = self.patches.patch_of_slot(run[0].slot) {
+                lamps.push((patch, worth * run.iter().map(|s| f64::from(s.share)).sum::<f64>()));
+            }
         }
+        let by_carriers = |patch: u32| {
+            let pair = [areas[i], areas[patch as usize]];
+            (patch, self.rows.caustics.worth(pair, rays, used))
+        };
+        lamps.extend(carried_to_lamps.into_iter().map(by_carriers));
+        if !self.is_lamp[i] {
+            let caustics = self.rows.caustics.of(row.slot).iter().filter(|c| Some(c.batch) != self.left_out);
+            lamps.extend(caustics.filter_map(|c| self.patches.patch_of_slot(c.lamp)).map(by_carriers));
+        }
+        lamps.sort_by_key(|part| part.0);
+        let whole = |run: &[Part]| (run[0].0, run.iter().map(|part| part.1).sum());
+        parts.extend(lamps.chunk_by(|a, b| a.0 == b.0).map(whole));
         parts.sort_unstable_by_key(|part| part.0);
-        (parts, escape)
+        (parts, leaving)
     }
 }
 

@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::assembly::{Raw, assemble};
+use super::assembly::{Leaving, Raw, assemble};
 use super::balance::{self, Closure};
 use super::mass::Mass;
 use super::rays::Rows;
@@ -22,7 +22,10 @@ use crate::progress::{Cancelled, Progress};
 pub struct Exchange {
     storage: Storage,
     scale: DVector<f64>,
-    escape: DVector<f64>,
+    /// What ends elsewhere than on patches, N values.
+    leaving: DVector<f64>,
+    /// Which shares of it are absorbed by carriers and lost, N values each; none without carriers.
+    in_carriers: Option<[DVector<f64>; 2]>,
     mass: Mass,
     closure: Closure,
     /// τ, by which what varies within patches was taken.
@@ -62,7 +65,8 @@ impl Exchange {
             balance::balance(&storage, &escape, mass.sums(), &DVector::repeat(n, 1.0), progress)?
         };
         escape.component_mul_assign(&scale);
-        let balanced = Self { storage, scale, escape, mass, closure, shrinkage: 1.0 };
+        let (leaving, in_carriers) = (escape, None);
+        let balanced = Self { storage, scale, leaving, in_carriers, mass, closure, shrinkage: 1.0 };
         match balanced.basis() {
             Basis::Constant => Ok(balanced),
             Basis::Linear => balanced.shrunk(progress),
@@ -75,16 +79,16 @@ impl Exchange {
         if shrinkage == 1.0 {
             return Ok(self);
         }
-        let Self { storage, scale, mut escape, mass, closure: before, .. } = self;
+        let Self { storage, scale, mut leaving, in_carriers, mass, closure: before, .. } = self;
         let storage = storage.shrunk(&scale, shrinkage);
-        shrinkage::shrink(escape.as_mut_slice(), shrinkage);
+        shrinkage::shrink(leaving.as_mut_slice(), shrinkage);
         // Rows close as before but for rounding.
         let start = DVector::repeat(mass.len(), 1.0);
-        let (scale, after) = balance::balance(&storage, &escape, mass.sums(), &start, progress)?;
-        escape.component_mul_assign(&scale);
+        let (scale, after) = balance::balance(&storage, &leaving, mass.sums(), &start, progress)?;
+        leaving.component_mul_assign(&scale);
         let iterations = before.iterations + after.iterations;
         let closure = Closure { iterations, after: after.after, ..before };
-        Ok(Self { storage, scale, escape, mass, closure, shrinkage })
+        Ok(Self { storage, scale, leaving, in_carriers, mass, closure, shrinkage })
     }
 
     /// The ideal sphere, S = A Aᵀ / ΣA: every point sees every area alike. Closed forms are known for all its answers.
@@ -105,20 +109,22 @@ impl Exchange {
         left_out: Option<u32>,
         progress: Progress,
     ) -> Result<Self, Cancelled> {
-        let Raw { storage, escape, is_lamp } = assemble(rows, patches, kind, left_out);
-        Self::new(storage, escape, Mass::new(rows.recipe.basis, patches.areas()), &is_lamp, progress)
+        let Raw { storage, leaving: Leaving { all, in_carriers }, is_lamp } =
+            assemble(rows, patches, kind, left_out);
+        let mass = Mass::new(rows.recipe.basis, patches.areas());
+        Ok(Self { in_carriers, ..Self::new(storage, all, mass, &is_lamp, progress)? })
     }
 
     /// What was balanced before.
     pub(super) fn from_raw(
         storage: Storage,
         scale: DVector<f64>,
-        escape: DVector<f64>,
+        (leaving, in_carriers): (DVector<f64>, Option<[DVector<f64>; 2]>),
         mass: Mass,
         closure: Closure,
         shrinkage: f64,
     ) -> Self {
-        Self { storage, scale, escape, mass, closure, shrinkage }
+        Self { storage, scale, leaving, in_carriers, mass, closure, shrinkage }
     }
 
     /// T and D.
@@ -162,9 +168,32 @@ impl Exchange {
         self.exchange_area(i, j) / self.areas()[i]
     }
 
-    /// What escapes, ∫ φ_i F_i∞ dA, N values; for constant elements S_i∞ = A_i F_i∞.
-    pub fn escape(&self) -> &DVector<f64> {
-        &self.escape
+    /// What ends elsewhere than on patches, N values: it escapes, is absorbed by carriers or is lost.
+    pub fn leaving(&self) -> &DVector<f64> {
+        &self.leaving
+    }
+
+    /// What escapes, ∫ φ_i F_i∞ dA; for constant elements S_i∞ = A_i F_i∞.
+    pub fn escape(&self, i: usize) -> f64 {
+        match &self.in_carriers {
+            Some([absorbed, lost]) => self.leaving[i] * (1.0 - absorbed[i] - lost[i]).max(0.0),
+            None => self.leaving[i],
+        }
+    }
+
+    /// What mirrors and glass absorb, as [`Exchange::escape`].
+    pub fn absorbed(&self, i: usize) -> f64 {
+        self.in_carriers.as_ref().map_or(0.0, |[absorbed, _]| self.leaving[i] * absorbed[i])
+    }
+
+    /// What is lost in paths that met so many mirrors and surfaces of glass that they were given up, as [`Exchange::escape`].
+    pub fn lost(&self, i: usize) -> f64 {
+        self.in_carriers.as_ref().map_or(0.0, |[_, lost]| self.leaving[i] * lost[i])
+    }
+
+    /// The shares of what leaves that are absorbed and lost, where there are carriers.
+    pub(super) fn in_carriers(&self) -> Option<&[DVector<f64>; 2]> {
+        self.in_carriers.as_ref()
     }
 
     /// How well rows close, before and after balancing.
@@ -230,12 +259,12 @@ impl Exchange {
         (0..self.len()).into_par_iter().map(error_of).reduce(|| 0.0, f64::max)
     }
 
-    /// The largest |D_i (T D)_i + S_i∞ − (M·1)_i| / (M·1)_i, recomputed.
+    /// The largest |D_i (T D)_i + what leaves − (M·1)_i| / (M·1)_i, recomputed.
     pub fn closure_error(&self) -> f64 {
         let n = self.len();
         let mut sums = DMatrix::zeros(n, 1);
         self.apply(&DMatrix::repeat(n, 1, 1.0), &mut sums);
         let areas = self.areas();
-        (0..n).map(|i| (sums[i] + self.escape[i] - areas[i]).abs() / areas[i]).fold(0.0, f64::max)
+        (0..n).map(|i| (sums[i] + self.leaving[i] - areas[i]).abs() / areas[i]).fold(0.0, f64::max)
     }
 }

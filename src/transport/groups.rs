@@ -91,7 +91,7 @@ fn sums(exchange: &Exchange, group_of: &[usize]) -> Sums {
         let mut to: Vec<(usize, f64)> = Vec::new();
         for &i in members {
             exchange.for_row(i, |j, area| to.push((group_of[j], area)));
-            to.push((groups, exchange.escape()[i]));
+            to.push((groups, exchange.escape(i)));
             // Sum up now and then, so that the list stays short.
             if to.len() > 1 << 16 {
                 add_up(&mut to);

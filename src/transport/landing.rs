@@ -1,8 +1,41 @@
-//! Landing: where one ray left a patch and where it met another, for elements that vary over a patch.
+//! Landing: where a ray ended; and where one left a patch and met another, for elements that vary over a patch.
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::patches::Barycentrics;
+
+/// Where a ray ended, in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub(super) struct End(u32);
+
+impl End {
+    /// Outside of the scene.
+    pub const AWAY: Self = Self(u32::MAX);
+    /// In a carrier.
+    pub const ABSORBED: Self = Self(u32::MAX - 1);
+    /// Given up after too many carriers.
+    pub const LOST: Self = Self(u32::MAX - 2);
+    /// Slots are fewer than 2³¹; this bit is set where a ray came by way of carriers.
+    const CARRIED: u32 = 1 << 31;
+
+    /// On a slot.
+    #[inline]
+    pub fn on(slot: u32, carried: bool) -> Self {
+        Self(if carried { slot | Self::CARRIED } else { slot })
+    }
+
+    /// The slot, if it is on one.
+    #[inline]
+    pub fn slot(self) -> Option<u32> {
+        (self.0 < Self::LOST.0).then_some(self.0 & !Self::CARRIED)
+    }
+
+    /// Whether it is on a slot, by way of carriers.
+    pub fn is_carried(self) -> bool {
+        self.0 < Self::LOST.0 && self.0 & Self::CARRIED != 0
+    }
+}
 
 /// A place in a patch, to 1/256 of its legs: far less than what separates a patch's rays from each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -55,6 +88,12 @@ pub(super) struct Landing {
 }
 
 impl Landing {
+    /// φ_a φ_b with a here and b there, at 3a + b.
+    pub fn moments(self) -> [f64; 9] {
+        let (here, there) = (self.here.weights(), self.there.weights());
+        std::array::from_fn(|entry| here[entry / 3] * there[entry % 3])
+    }
+
     /// The same ray seen from its other end; `patch` is this one.
     pub fn seen_from_there(self, patch: u32) -> Self {
         Self { partner: patch, here: self.there, there: self.here }

@@ -7,6 +7,7 @@
 mod assembly;
 mod balance;
 mod blocks;
+mod caustics;
 mod exchange;
 mod form_factors;
 mod groups;

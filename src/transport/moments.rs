@@ -1,13 +1,13 @@
 //! Moments: assembly for linear elements, S_(ia)(jb) = ½ (A_i E[φ_a φ_b] + A_j E[φ_a φ_b]) with φ_a where a ray left i and φ_b where it
 //! landed on j, from the same rays as for constant ones.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::assembly::Raw;
+use super::assembly::{ESCAPED, Leaving, Outcome, Raw, has_carriers};
 use super::blocks::{Blocks, Findings};
 use super::landing::Landing;
-use super::rays::{AWAY, Row, Rows, origins};
+use super::rays::{Row, Rows, origins};
 use super::recipe::BATCHES;
 use super::storage::{Storage, StorageKind};
 use crate::patches::Patches;
@@ -23,7 +23,7 @@ pub(super) fn assemble(
     let used = if left_out.is_some() { BATCHES - 1 } else { BATCHES };
     let rays = f64::from(rows.recipe.count.rays / BATCHES * used);
     let finder = Finder { rows, patches, is_lamp, left_out, rays, used };
-    let (found, escape): (Vec<Findings>, Vec<[f64; 3]>) =
+    let (found, leaving): (Vec<Findings>, Vec<[[f64; 3]; 3]>) =
         (0..patches.len()).into_par_iter().map(|i| finder.found_by(i)).unzip();
     let blocks = Blocks::new(patches.areas(), rays, &found);
     drop(found);
@@ -34,9 +34,9 @@ pub(super) fn assemble(
         StorageKind::Auto if blocks.bytes() < full => Storage::Blocks(blocks),
         _ => Storage::Dense(dense(coefficients, &blocks)),
     };
-    let escape = DVector::from_iterator(coefficients, escape.into_iter().flatten());
+    let leaving = Leaving::new(leaving.as_flattened(), has_carriers(patches));
     let is_lamp = is_lamp.iter().flat_map(|&lamp| [lamp; 3]).collect();
-    Raw { storage, escape, is_lamp }
+    Raw { storage, leaving, is_lamp }
 }
 
 struct Finder<'a> {
@@ -51,34 +51,49 @@ struct Finder<'a> {
 }
 
 impl Finder<'_> {
-    /// What patch i found, and what escapes from it by corner; a side without light is as good as outside.
-    fn found_by(&self, i: usize) -> (Findings, [f64; 3]) {
+    /// What patch i found, and what escapes from it, is absorbed by carriers or lost, by corner.
+    fn found_by(&self, i: usize) -> (Findings, [[f64; 3]; 3]) {
         let area = self.patches.areas()[i];
+        let mut leaving = [[0.0; 3]; 3];
         let Some(row) = self.rows.of(self.patches.slot_of_patch(i)) else {
-            return (Findings::default(), [area / 3.0; 3]);
+            leaving.iter_mut().for_each(|corner| corner[ESCAPED] = area / 3.0);
+            return (Findings::default(), leaving);
         };
-        let number =
-            |slot: u32| if slot == AWAY { AWAY } else { self.patches.patch_of_slot(slot).unwrap_or(AWAY) };
-        let (mut landings, mut escape) = (Vec::new(), [0.0; 3]);
+        let (mut landings, mut carried_to_lamps) = (Vec::new(), Vec::new());
         let batch_size = row.landings.len() / BATCHES as usize;
         let ends = row.landings.iter().zip(&row.spots).zip(origins(row.slot, self.rows.recipe));
-        for (k, ((&slot, &there), here)) in ends.enumerate() {
+        for (k, ((&end, &there), here)) in ends.enumerate() {
             if Some((k / batch_size) as u32) == self.left_out {
                 continue;
             }
-            let partner = number(slot);
-            if partner == AWAY {
-                let weights = here.weights();
-                (0..3).for_each(|a| escape[a] += area * weights[a] / self.rays);
-            } else if self.is_lamp[partner as usize] == self.is_lamp[i] {
-                landings.push(Landing { partner, here, there });
+            match Outcome::of(end, self.patches) {
+                Outcome::Left(kind) => {
+                    let weights = here.weights();
+                    (0..3).for_each(|a| leaving[a][kind] += area * weights[a] / self.rays);
+                }
+                Outcome::Met { patch, carried } => {
+                    let landing = Landing { partner: patch, here, there };
+                    if self.is_lamp[patch as usize] == self.is_lamp[i] {
+                        landings.push(landing);
+                    } else if carried && !self.is_lamp[i] {
+                        carried_to_lamps.push(landing);
+                    }
+                }
             }
         }
-        (Findings { landings, lamps: self.lamps_seen(row, area, number) }, escape)
+        if !self.is_lamp[i] {
+            let caustics = self.rows.caustics.of(row.slot).iter().filter(|c| Some(c.batch) != self.left_out);
+            carried_to_lamps.extend(caustics.filter_map(|caustic| {
+                let partner = self.patches.patch_of_slot(caustic.lamp)?;
+                let [here, there] = caustic.ends;
+                Some(Landing { partner, here, there })
+            }));
+        }
+        (Findings { landings, lamps: self.lamps_seen(row, area, &carried_to_lamps) }, leaving)
     }
 
-    /// What light sampling found of the patch's exchange with lamps.
-    fn lamps_seen(&self, row: &Row, area: f64, number: impl Fn(u32) -> u32) -> Vec<(u32, [f64; 9])> {
+    /// What light sampling, and rays by way of carriers, found of the patch's exchange with lamps.
+    fn lamps_seen(&self, row: &Row, area: f64, carried: &[Landing]) -> Vec<(u32, [f64; 9])> {
         let worth = area * f64::from(BATCHES) / f64::from(self.used);
         let mut shares: Vec<_> = row.lamp_shares.iter().zip(&row.lamp_moments).collect();
         shares.retain(|(share, _)| Some(share.batch) != self.left_out);
@@ -87,7 +102,21 @@ impl Finder<'_> {
             worth * run.iter().map(|(_, moments)| f64::from(moments[entry])).sum::<f64>()
         };
         let runs = shares.chunk_by(|a, b| a.0.slot == b.0.slot);
-        runs.map(|run| (number(run[0].0.slot), std::array::from_fn(|entry| sum(run, entry)))).collect()
+        let straight = runs.filter_map(|run| {
+            let patch = self.patches.patch_of_slot(run[0].0.slot)?;
+            Some((patch, std::array::from_fn(|entry| sum(run, entry))))
+        });
+        let by_carriers = carried.iter().map(|landing| {
+            let pair = [area, self.patches.areas()[landing.partner as usize]];
+            let worth = self.rows.caustics.worth(pair, self.rays, self.used);
+            (landing.partner, landing.moments().map(|m| m * worth))
+        });
+        let mut lamps: Vec<(u32, [f64; 9])> = straight.chain(by_carriers).collect();
+        lamps.sort_by_key(|lamp| lamp.0);
+        let whole = |run: &[(u32, [f64; 9])]| {
+            (run[0].0, std::array::from_fn(|entry| run.iter().map(|(_, moments)| moments[entry]).sum()))
+        };
+        lamps.chunk_by(|a, b| a.0 == b.0).map(whole).collect()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::scene::{Scene, Surface};
+use crate::scene::{Material, Scene, Surface};
 
 /// One effect: whether it is simulated, and why.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -64,7 +64,37 @@ impl Plan {
             };
             Effect { effect, on: false, reason }
         };
-        let surface = |kind: Surface| move |k: usize| scene.materials()[k].surface == kind;
+        let used: Vec<&Material> = {
+            let on_faces = |k: &usize| scene.faces().iter().any(|face| face.material as usize == *k);
+            (0..scene.materials().len()).filter(on_faces).map(|k| &scene.materials()[k]).collect()
+        };
+        let carrier = |effect, what: &str, is: fn(&Surface) -> bool| {
+            let names: Vec<&str> = used.iter().filter(|m| is(&m.surface)).map(|m| m.name.as_str()).collect();
+            let reason = if names.is_empty() { format!("no {what}") } else { names.join(", ") };
+            Effect { effect, on: !names.is_empty(), reason }
+        };
+        let carriers = used.iter().any(|m| m.surface.is_carrier());
+        let caustics = match (carriers, used.iter().any(|m| m.emits())) {
+            (false, _) => effect("caustics", false, "no mirror, glass or water"),
+            (true, false) => effect("caustics", false, "no lamp"),
+            (true, true) => effect("caustics", true, "light shot from lamps through mirrors and glass"),
+        };
+        let coloured: Vec<&str> = used
+            .iter()
+            .filter(|m| m.surface.colour().is_some_and(|colour| colour.iter().any(|&x| x != colour[0])))
+            .map(|m| m.name.as_str())
+            .collect();
+        let carrier_colour = match coloured.len() {
+            0 => effect("carrier colour", false, "no coloured mirror or glass"),
+            _ => Effect {
+                effect: "carrier colour",
+                on: false,
+                reason: format!(
+                    "not simulated yet; light between surfaces takes the mean of the channels of {}",
+                    coloured.join(", ")
+                ),
+            },
+        };
         Self {
             effects: vec![
                 effect(
@@ -84,9 +114,15 @@ impl Plan {
                 lights(scene),
                 sky(scene),
                 receivers(scene),
-                called_for("mirror", "mirror", &surface(Surface::Mirror)),
-                called_for("dielectric", "glass or water", &surface(Surface::Dielectric)),
-                called_for("gloss", "rough conductor or plastic", &surface(Surface::Glossy)),
+                carrier("mirror", "mirror", |surface| matches!(surface, Surface::Mirror { .. })),
+                carrier("dielectric", "glass or water", |surface| {
+                    matches!(surface, Surface::Dielectric { .. })
+                }),
+                caustics,
+                carrier_colour,
+                called_for("gloss", "rough conductor or plastic", &|k| {
+                    scene.materials()[k].surface == Surface::Glossy
+                }),
                 called_for("textures", "texture", &|k| scene.materials()[k].textured),
             ],
         }

@@ -7,16 +7,14 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::caustics::Caustics;
 use super::lamp_columns::{LampShare, Seen, look_at_lamps};
-use super::landing::Spot;
+use super::landing::{End, Spot};
 use super::recipe::{BATCHES, Recipe};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
-use crate::trace::{Lamps, Tracer, sampling, sampling::Sequence};
-
-/// A landing outside of the scene.
-pub(super) const AWAY: u32 = u32::MAX;
+use crate::trace::{Destination, Hit, Lamps, Ray, Tracer, sampling, sampling::Sequence};
 
 /// Where streams of random sequences for rays start.
 const STREAM: u64 = 0;
@@ -38,6 +36,18 @@ impl Goals {
         Self { lamps, slots }
     }
 
+    /// What lamps find of patches by way of carriers.
+    fn caustics(
+        &self,
+        tracer: &Tracer,
+        patches: &Patches,
+        recipe: Recipe,
+        progress: Progress,
+    ) -> Result<Caustics, Cancelled> {
+        let slots: Vec<u32> = self.slots.iter().cloned().flatten().collect();
+        Caustics::trace(tracer, patches, &slots, |slot| self.contain(slot), recipe, progress)
+    }
+
     fn contain(&self, slot: u32) -> bool {
         let after = self.slots.partition_point(|range| range.end <= slot);
         self.slots.get(after).is_some_and(|range| range.start <= slot)
@@ -48,8 +58,8 @@ impl Goals {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Row {
     pub slot: u32,
-    /// The slots on which its rays landed, batch after batch; [`AWAY`] for those that left the scene.
-    pub landings: Vec<u32>,
+    /// Where its rays ended, batch after batch.
+    pub landings: Vec<End>,
     /// Where in these slots they landed; nothing for constant elements.
     pub spots: Vec<Spot>,
     /// What is known of its form factors to lamps. Lamps themselves know only their rays.
@@ -65,13 +75,14 @@ pub(super) struct Rows {
     /// The faces that light sampling took as lamps.
     pub lamp_faces: Vec<u32>,
     rows: Vec<Row>,
+    pub caustics: Caustics,
 }
 
 impl Rows {
     /// Puts rows together that were traced before.
-    pub fn new(recipe: Recipe, lamp_faces: Vec<u32>, mut rows: Vec<Row>) -> Self {
+    pub fn new(recipe: Recipe, lamp_faces: Vec<u32>, mut rows: Vec<Row>, caustics: Caustics) -> Self {
         rows.sort_unstable_by_key(|row| row.slot);
-        Self { recipe, lamp_faces, rows }
+        Self { recipe, lamp_faces, rows, caustics }
     }
 
     /// All rows, by slot.
@@ -93,7 +104,8 @@ impl Rows {
         progress: Progress,
     ) -> Result<Self, Cancelled> {
         let goals = Goals::new(tracer, patches, recipe);
-        let mut rows = Self::new(recipe, goals.lamps.faces().collect(), Vec::new());
+        let caustics = goals.caustics(tracer, patches, recipe, progress)?;
+        let mut rows = Self::new(recipe, goals.lamps.faces().collect(), Vec::new(), caustics);
         rows.complete(tracer, patches, &goals, progress)?;
         Ok(rows)
     }
@@ -110,6 +122,7 @@ impl Rows {
         if !goals.lamps.faces().eq(self.lamp_faces.iter().copied()) {
             self.lamp_faces = goals.lamps.faces().collect();
             let recipe = self.recipe;
+            self.caustics = goals.caustics(tracer, patches, recipe, progress)?;
             for (done, chunk) in self.rows.chunks_mut(CHUNK).enumerate() {
                 progress.at("trace", (done * CHUNK) as f64 / known as f64)?;
                 chunk.par_iter_mut().for_each(|row| look_for_lamps(tracer, patches, &goals, row, recipe));
@@ -154,19 +167,40 @@ fn trace_row(tracer: &Tracer, patches: &Patches, goals: &Goals, slot: u32, recip
     let mut landings = Vec::with_capacity(recipe.count.rays as usize);
     let mut spots = Vec::new();
     for (sequence, points) in stretches(slot, recipe) {
-        for ray in facet.rays(sequence, points) {
-            let hit = tracer.closest_hit(&ray);
-            let landing = hit.map(|hit| patches.slot_at(hit.face as usize, hit.side, hit.barycentrics));
+        for (ray, point) in facet.rays(sequence, points.clone()).zip(points) {
+            let (end, hit) = end_of(tracer, patches, &ray, (sequence, point));
             if recipe.basis == Basis::Linear {
-                let there = landing.zip(hit).map(|(slot, hit)| patches.weights_in(slot, hit.barycentrics));
+                let there = end.slot().zip(hit).map(|(slot, hit)| patches.weights_in(slot, hit.barycentrics));
                 spots.push(there.map_or_else(Spot::default, Spot::at));
             }
-            landings.push(landing.unwrap_or(AWAY));
+            landings.push(end);
         }
     }
     let mut row = Row { slot, landings, spots, lamp_shares: Vec::new(), lamp_moments: Vec::new() };
     look_for_lamps(tracer, patches, goals, &mut row, recipe);
     row
+}
+
+/// Where a ray ends, mirrors and glass passed by the random numbers that follow those it was sent by. Whether a carrier absorbs it is
+/// decided by chance, so that what lands has all its weight.
+#[inline]
+pub(super) fn end_of(
+    tracer: &Tracer,
+    patches: &Patches,
+    ray: &Ray,
+    (sequence, point): (Sequence, u32),
+) -> (End, Option<Hit>) {
+    let numbers = |k: u32| sequence.dimensions(point, k + 1);
+    let survives = |colour: &[f64], chance: f64| chance < colour.iter().sum::<f64>() / colour.len() as f64;
+    match tracer.destination(ray, numbers, survives) {
+        Destination::Diffuse { hit, carried } => {
+            let slot = patches.slot_at(hit.face as usize, hit.side, hit.barycentrics);
+            (End::on(slot, carried), Some(hit))
+        }
+        Destination::Away(_) => (End::AWAY, None),
+        Destination::Absorbed => (End::ABSORBED, None),
+        Destination::Lost => (End::LOST, None),
+    }
 }
 
 /// The stretches of random sequences by which a slot sends its rays, one a batch.
@@ -186,15 +220,14 @@ fn look_for_lamps(tracer: &Tracer, patches: &Patches, goals: &Goals, row: &mut R
     (row.lamp_shares, row.lamp_moments) = if goals.slots.is_empty() || goals.contain(row.slot) {
         (Vec::new(), Vec::new())
     } else {
-        let on_lamps = |&(_, slot): &(usize, &u32)| *slot != AWAY && goals.contain(*slot);
+        // Light sampling sees what is straight ahead; hits by way of carriers are known from rays alone.
+        let straight = |end: End| end.slot().filter(|&slot| !end.is_carried() && goals.contain(slot));
         let batch_size = (recipe.count.rays / BATCHES) as usize;
-        let seen = |(k, &slot): (usize, &u32)| Seen {
-            slot,
-            batch: (k / batch_size) as u32,
-            ends: [Spot::default(); 2],
+        let seen = |(k, &end): (usize, &End)| {
+            let batch = (k / batch_size) as u32;
+            straight(end).map(|slot| (k, Seen { slot, batch, ends: [Spot::default(); 2] }))
         };
-        let mut hits: Vec<(usize, Seen)> =
-            row.landings.iter().enumerate().filter(on_lamps).map(|hit| (hit.0, seen(hit))).collect();
+        let mut hits: Vec<(usize, Seen)> = row.landings.iter().enumerate().filter_map(seen).collect();
         if recipe.basis == Basis::Linear {
             let origins: Vec<Spot> = origins(row.slot, recipe).collect();
             hits.iter_mut().for_each(|(k, seen)| seen.ends = [origins[*k], row.spots[*k]]);
@@ -211,9 +244,11 @@ fn newly_reached(patches: &Patches, rows: &Rows) -> Vec<u32> {
     let bright = rows.rows.par_iter().filter(sends);
     let mut found: Vec<u32> = bright
         .flat_map_iter(|row| &row.landings)
-        .copied()
-        .filter(|&s| s != AWAY && patches.patch_of_slot(s).is_none())
+        .filter_map(|end| end.slot())
+        .filter(|&slot| patches.patch_of_slot(slot).is_none())
         .collect();
+    let from_lamps = rows.caustics.parts().1.iter().map(|caustic| caustic.receiver);
+    found.extend(from_lamps.filter(|&slot| patches.patch_of_slot(slot).is_none()));
     found.sort_unstable();
     found.dedup();
     found

@@ -14,7 +14,7 @@ use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::scene::{Receiver, Side};
 use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around};
-use crate::trace::{Lamps, Lights, Ray, Tracer, geometry_term};
+use crate::trace::{Destination, Lamps, Lights, Ray, Tracer, geometry_term};
 
 /// The streams of random sequences, apart from all others.
 const STREAM: u64 = 1 << 55;
@@ -109,10 +109,19 @@ impl Gather<'_, '_> {
         for k in points {
             let [x, y, u, v] = sequence.point(k);
             let direction = frame * cosine_hemisphere([x, y]);
-            let hit = self.tracer.closest_hit(&Ray { origin: point, direction, from: Ray::FREE });
-            if let Some(hit) = hit {
+            let ray = Ray { origin: point, direction, from: Ray::FREE };
+            // By way of mirrors and glass too, in the mean of their colours.
+            let mut colour = 1.0;
+            let numbers = |carrier: u32| sequence.dimensions(k, carrier + 1);
+            let dims = |part: &[f64], _: f64| {
+                colour *= part.iter().sum::<f64>() / part.len() as f64;
+                colour > 0.0
+            };
+            if let Destination::Diffuse { hit, carried } = self.tracer.destination(&ray, numbers, dims) {
                 let face = hit.face as usize;
-                let weight = if self.lamps.contains(face, hit.side) {
+                let weight = if carried {
+                    colour / rays
+                } else if self.lamps.contains(face, hit.side) {
                     let there = (point + direction * hit.distance, self.tracer.normal(face, hit.side));
                     let g = geometry_term((point, self.normal), there);
                     if g > 0.0 { share(g, self.lamps.pdf(&view, face)) } else { 0.0 }

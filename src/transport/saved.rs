@@ -12,6 +12,7 @@ use sprs::CsMatI;
 use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
 use super::blocks::Blocks;
+use super::caustics::{Caustic, Caustics};
 use super::exchange::Exchange;
 use super::lamp_columns::LampShare;
 use super::landing::Spot;
@@ -22,7 +23,7 @@ use super::sections::{Content, FactorsFileError, Section, VERSION, ends_with_sec
 use super::storage::Storage;
 use super::{Closure, FormFactors, Keep, StorageKind, TransportError};
 use crate::patches::{Basis, Patches, Tessellation};
-use crate::scene::{FaceState, Scene};
+use crate::scene::{FaceState, Scene, Surface};
 use crate::trace::{Lamps, Tracer};
 
 const MAGIC: &[u8; 8] = b"radiosFF";
@@ -75,7 +76,10 @@ impl FormFactors {
             }
         }
         section.some(scale.as_slice());
-        section.some(self.exchange().escape().as_slice());
+        section.some(self.exchange().leaving().as_slice());
+        let in_carriers = self.exchange().in_carriers();
+        section.one(u32::from(in_carriers.is_some()));
+        in_carriers.into_iter().flatten().for_each(|shares| section.some(shares.as_slice()));
         let Closure { before, after, iterations } = *self.exchange().closure();
         section.some(&[before, after, self.exchange().shrinkage()]);
         section.one(iterations as u64);
@@ -112,8 +116,8 @@ impl FormFactors {
         if same_light && lamps.faces().eq(saved.lamp_faces.iter().copied()) {
             let rows = (keep == Keep::Rays).then(|| saved.read_rows(file)).transpose()?;
             let mass = Mass::new(saved.recipe.basis, patches.areas());
-            let Saved { storage, scale, escape, closure, shrinkage, .. } = saved;
-            let exchange = Exchange::from_raw(storage, scale, escape, mass, closure, shrinkage);
+            let Saved { storage, scale, leaving, closure, shrinkage, .. } = saved;
+            let exchange = Exchange::from_raw(storage, scale, leaving, mass, closure, shrinkage);
             let reuse = Reuse { traced: 0, held, balanced: true };
             return Ok((patches, Self::from_parts(exchange, per_patch, rows), reuse));
         }
@@ -145,6 +149,9 @@ fn rows_section(rows: &Rows) -> Section {
         section.some(&row.lamp_shares.iter().map(|share| share.share).collect::<Vec<_>>());
         section.some(&row.lamp_moments);
     }
+    let (shots, caustics) = rows.caustics.parts();
+    section.one(shots);
+    section.list(caustics);
     section
 }
 
@@ -159,7 +166,7 @@ struct Saved {
     slots: Vec<u32>,
     storage: Storage,
     scale: DVector<f64>,
-    escape: DVector<f64>,
+    leaving: (DVector<f64>, Option<[DVector<f64>; 2]>),
     closure: Closure,
     shrinkage: f64,
 }
@@ -212,12 +219,18 @@ impl Saved {
             BLOCKS if basis == Basis::Linear => Storage::Blocks(Blocks::read(&mut from, slots.len())?),
             _ => return Err(Damaged),
         };
-        let (scale, escape) = (DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?));
+        let (scale, all) = (DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?));
+        let in_carriers = match from.one::<u32>()? {
+            0 => None,
+            1 => Some([DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?)]),
+            _ => return Err(Damaged),
+        };
+        let leaving = (all, in_carriers);
         let (before, after, shrinkage) = (from.one()?, from.one()?, from.one()?);
         let iterations = from.one::<u64>()? as usize;
         let closure = Closure { before, after, iterations };
         let recipe = Recipe { count, seed, basis };
-        Ok(Self { light, edge, recipe, lamp_faces, held, slots, storage, scale, escape, closure, shrinkage })
+        Ok(Self { light, edge, recipe, lamp_faces, held, slots, storage, scale, leaving, closure, shrinkage })
     }
 
     /// Reads the second section.
@@ -239,16 +252,23 @@ impl Saved {
             let lamp_moments = from.some(more(shares))?;
             rows.push(Row { slot, landings, spots, lamp_shares, lamp_moments });
         }
-        Ok(Rows::new(self.recipe, self.lamp_faces.clone(), rows))
+        let caustics = Caustics::from_parts(from.one()?, from.list::<Caustic>()?);
+        Ok(Rows::new(self.recipe, self.lamp_faces.clone(), rows, caustics))
     }
 }
 
-/// A hash of everything that rays can meet.
+/// A hash of everything that rays can meet, and of what mirrors and glass do with them.
 fn geometry_hash(scene: &Scene) -> u64 {
     let mut hash = Xxh3::new();
     for (k, face) in scene.faces().iter().enumerate() {
         hash.update(&[u8::from(face.state == FaceState::Kept)]);
         scene.corners(k).iter().for_each(|p| hash.update(bytemuck::cast_slice(&p.to_array())));
+        let surface = &scene.material_of(k).surface;
+        if let Some(colour) = surface.colour() {
+            let index = if let Surface::Dielectric { index, .. } = surface { *index } else { 0.0 };
+            hash.update(bytemuck::bytes_of(&index));
+            hash.update(bytemuck::cast_slice(colour));
+        }
     }
     hash.digest()
 }

@@ -18,7 +18,7 @@ pub(super) fn trapped(exchange: &Exchange, reflectance: &DMatrix<f64>) -> Option
             unvisited[start] = false;
             while at < set.len() {
                 let i = set[at];
-                loses |= exchange.escape()[i] > 0.0;
+                loses |= exchange.leaving()[i] > 0.0;
                 exchange.for_row(i, |j, _| {
                     loses |= rho[j] < 1.0;
                     if std::mem::take(&mut unvisited[j]) {

@@ -5,7 +5,7 @@ use std::fs;
 
 use glam::DVec3;
 use radiosity::patches::{PatchSize, Patches, Reach, Tessellation};
-use radiosity::scene::{FaceState, Scene, SceneError};
+use radiosity::scene::{FaceState, Scene, SceneError, Surface};
 use radiosity::trace::Tracer;
 use radiosity::transport::Plan;
 
@@ -405,11 +405,6 @@ fn faces_without_a_material_are_grey_even_where_a_material_is_called_default() {
 #[test]
 fn what_is_not_simulated_yet_is_recognised_and_named() {
     for (lines, effect) in [
-        ("illum 3\nKs 0.9", "mirror"),
-        ("illum 4\nNi 1.5", "dielectric"),
-        ("illum 6\nNi 1.5", "dielectric"),
-        ("illum 7\nNi 1.5", "dielectric"),
-        ("illum 9\nNi 1.5", "dielectric"),
         ("Pr 0.3", "gloss"),
         ("Pm 1", "gloss"),
         ("illum 5\nNs 100", "gloss"),
@@ -430,6 +425,50 @@ fn what_is_not_simulated_yet_is_recognised_and_named() {
             "{lines:?}: exporters write a meaningless Ks everywhere"
         );
     }
+}
+
+#[test]
+fn mirrors_and_glass_are_recognised_by_their_illumination_model() {
+    let surface = |lines: &str| {
+        let scene = loaded(&mtl(lines));
+        (scene.materials()[0].surface.clone(), scene.warnings().len())
+    };
+    let mirror = |r: f64| Surface::Mirror { reflectance: vec![r] };
+    let glass = |index: f64, t: f64| Surface::Dielectric { index, filter: vec![t] };
+    assert_eq!(surface("illum 3\nKs 0.9"), (mirror(0.9), 0));
+    assert_eq!(surface("illum 3"), (mirror(1.0), 1));
+    assert_eq!(surface("illum 3\nKs 0.9\nKd 0.5"), (mirror(0.9), 1));
+    for model in [4, 6, 7, 9] {
+        // A lone triangle of glass has no inside either.
+        assert_eq!(surface(&format!("illum {model}\nNi 1.33\nTf 0.8")), (glass(1.33, 0.8), 1));
+        assert_eq!(surface(&format!("illum {model}")), (glass(1.5, 1.0), 2));
+    }
+    assert_eq!(surface("illum 3\nKs 0.9\nKd 0.5\nKe 1"), (Surface::Diffuse, 1));
+}
+
+#[test]
+fn refuses_mirrors_and_glass_that_cannot_be() {
+    for (lines, words) in [
+        ("illum 4\nNi 0", ["material m", "index of refraction 0", "1.5"]),
+        ("illum 6\nNi -1.5", ["material m", "index of refraction -1.5", "positive"]),
+        ("illum 4\nNi 1.5\nTf 1.2", ["material m", "filter 1.2", "between 0 and 1"]),
+        ("illum 3\nKs 1.5", ["material m", "mirror reflectance 1.5", "between 0 and 1"]),
+    ] {
+        says(&refusal(&mtl(lines)), &words);
+    }
+}
+
+#[test]
+fn glass_without_an_inside_is_named_with_what_to_do() {
+    let tetrahedron = |faces: &str| {
+        let text = format!("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl pane\n{faces}");
+        let scene = loaded(&[("a.obj", text.as_str()), ("a.mtl", "newmtl pane\nillum 4\nNi 1.5\n")]);
+        scene.warnings().join("\n")
+    };
+    assert_eq!(tetrahedron("f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"), "");
+    says(&tetrahedron("f 1 3 2\nf 1 2 4\nf 1 4 3\n"), &["material pane", "no inside", "close the mesh"]);
+    says(&tetrahedron("f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n"), &["material pane", "no inside"]);
+    says(&tetrahedron("f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n"), &["material pane", "inside out", "flip"]);
 }
 
 // White space and names.

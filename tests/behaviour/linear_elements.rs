@@ -143,7 +143,7 @@ fn a_patch_whose_rays_all_leave_sends_all_its_light_away() {
     let exchange = factors.exchange();
     // A third for each corner but for where the rays happened to start, and to the last digits once balanced.
     assert!(exchange.closure().before < 0.02, "{:?}", exchange.closure());
-    for (escape, sum) in exchange.escape().iter().zip(exchange.areas().iter()) {
+    for (escape, sum) in exchange.leaving().iter().zip(exchange.areas().iter()) {
         assert!((escape / sum - 1.0).abs() < 1e-13);
     }
     let h = irradiance(&patches, &factors);

@@ -1,7 +1,9 @@
 //! `radiosity solve`: the main job.
 
 use radiosity::measure::{Energy, Undershoot};
-use radiosity::output::{self, Illuminance, PlanEntry, RenderOptions, SeriesSummary, Shading, Summary};
+use radiosity::output::{
+    self, EnergySummary, Illuminance, PlanEntry, RenderOptions, SeriesSummary, Shading, Summary,
+};
 use radiosity::patches::Basis;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
@@ -186,10 +188,11 @@ fn report(summary: &Summary, faces: usize, exchange: &Exchange) -> String {
             series.order, series.residual, bounds[0], series.bound, series.difference, solver.name
         ),
         format!(
-            "energy        emitted {} W, absorbed {} W, escaped {} W; imbalance {:.0e}\n",
+            "energy        emitted {} W, absorbed {} W, escaped {} W{}; imbalance {:.0e}\n",
             triple(energy.emitted),
             triple(energy.absorbed),
             triple(energy.escaped),
+            in_carriers(energy),
             energy.imbalance
         ),
         format!("  order  flux it adds (W)            residual  {}", bounds[0]),
@@ -221,6 +224,15 @@ fn report(summary: &Summary, faces: usize, exchange: &Exchange) -> String {
     let stages: Vec<String> = long.map(|stage| format!("{} {:.2}", stage.name, stage.seconds)).collect();
     lines.push(format!("\n{seconds:.2} s on {} threads: {}", summary.threads, stages.join(", ")));
     lines.join("\n")
+}
+
+/// What ends in mirrors and glass, where anything does.
+fn in_carriers(energy: &EnergySummary) -> String {
+    let part = |name: &str, power: [f64; 3]| match power {
+        [0.0, 0.0, 0.0] => String::new(),
+        power => format!(", {name} {} W", triple(power)),
+    };
+    part("in carriers", energy.carriers) + &part("lost", energy.lost)
 }
 
 /// A table of illuminances, lx.

@@ -52,7 +52,7 @@ fn closure(exchange: &Exchange, patches: &Patches) -> Finding {
     }
     let sums = sums(exchange);
     let off = |i: usize| {
-        let error = (sums[i] + exchange.escape()[i] - exchange.areas()[i]).abs();
+        let error = (sums[i] + exchange.leaving()[i] - exchange.areas()[i]).abs();
         error / exchange.areas()[i]
     };
     let off = |patch: usize| coefficients(exchange, patch).map(off).fold(0.0, f64::max);

@@ -63,7 +63,7 @@ impl Default for PathOptions<'_> {
     }
 }
 
-/// A path tracer for diffuse scenes.
+/// A path tracer for scenes of diffuse surfaces, mirrors and glass.
 #[derive(Debug)]
 pub struct PathTracer<'t, 's> {
     walker: Walker<'t, 's>,
@@ -83,12 +83,22 @@ impl<'t, 's> PathTracer<'t, 's> {
     pub fn add_radiance(&self, ray: &Ray, sequence: Sequence, k: u32, radiance: &mut [f64]) -> Option<Hit> {
         let walker = &self.walker;
         assert_eq!(radiance.len(), walker.channels, "a value per channel");
-        let hit = walker.tracer.closest_hit(ray)?;
+        let first = walker.tracer.closest_hit(ray)?;
+        let mut numbers = Numbers { sequence, point: k, set: 1 };
+        let mut colour = vec![1.0; walker.channels];
+        let hit = if walker.tracer.is_carrier(first.face) {
+            match walker.beyond_carriers(*ray, first, &mut numbers, &mut colour) {
+                Some(hit) => hit,
+                None => return Some(first),
+            }
+        } else {
+            first
+        };
         if hit.side == Side::Front {
-            radiance.iter_mut().zip(walker.emission(hit.face)).for_each(|(sum, e)| *sum += e);
+            let seen = walker.emission(hit.face).iter().zip(&colour);
+            radiance.iter_mut().zip(seen).for_each(|(sum, (e, colour))| *sum += e * colour);
         }
         let rho = walker.reflectance(hit.face);
-        let mut numbers = Numbers { sequence, point: k, set: 1 };
         let [s, t, ..] = numbers.next();
         let mut weight = vec![0.0; walker.channels];
         let place = Place::of(walker.tracer, &hit);
@@ -100,11 +110,11 @@ impl<'t, 's> PathTracer<'t, 's> {
             usize::MAX,
             |_, part, weight, emission| {
                 for (c, sum) in radiance.iter_mut().enumerate() {
-                    *sum += FRAC_1_PI * rho[c] * part * weight[c] * emission[c];
+                    *sum += FRAC_1_PI * colour[c] * rho[c] * part * weight[c] * emission[c];
                 }
             },
         );
-        Some(hit)
+        Some(first)
     }
 
     /// Estimates the irradiance of every patch until the budget is used up.
@@ -140,29 +150,33 @@ impl<'t, 's> PathTracer<'t, 's> {
         progress.at("reference", 0.0)?;
         let began = Instant::now();
         let (known, before) = (estimate.paths, estimate.seconds);
-        let mut used = 0.0;
-        while used < 1.0 && !patches.is_empty() {
+        let mut left = match known {
+            0 => f64::INFINITY,
+            _ => budget.left(estimate, 0.0, 0),
+        };
+        while left > 0.0 && !patches.is_empty() {
             let round = match estimate.paths {
                 0 => first_round(estimate, budget),
-                _ if used == 0.0 => next_round(estimate, 0.5),
-                _ => next_round(estimate, used),
+                _ => next_round(estimate, left),
             };
-            self.walk(patches, estimate, &round, used, options)?;
+            let added = (estimate.paths - known) as f64;
+            self.walk(patches, estimate, &round, (added, added + left), options)?;
             estimate.note_spread();
-            estimate.seconds = before + began.elapsed().as_secs_f64();
-            used = budget.used(estimate, began.elapsed().as_secs_f64(), estimate.paths - known);
+            let seconds = began.elapsed().as_secs_f64();
+            estimate.seconds = before + seconds;
+            left = budget.left(estimate, seconds, estimate.paths - known);
         }
         progress.at("reference", 1.0)?;
         Ok(())
     }
 
-    /// Traces the batches of one round.
+    /// Traces the batches of one round, when so many paths of so many are done.
     fn walk(
         &self,
         patches: &Patches,
         estimate: &mut PathTraced,
         round: &[Vec<u32>; 2],
-        used: f64,
+        (done, all): (f64, f64),
         options: &PathOptions,
     ) -> Result<(), Cancelled> {
         let values = (estimate.bounces + 1) * estimate.channels;
@@ -172,8 +186,7 @@ impl<'t, 's> PathTracer<'t, 's> {
             let Half { batches, sums, .. } = half;
             let rows = sums.chunks_mut(CHUNK * values).zip(batches.chunks_mut(CHUNK));
             for (chunk, (sums, batches)) in rows.enumerate() {
-                let done = (h * patches.len() + chunk * CHUNK) as f64 / (2 * patches.len()) as f64;
-                options.progress.at("reference", (used + (used + 0.01).min(1.0 - used) * done).min(0.999))?;
+                options.progress.at("reference", ((done + paths as f64) / all).min(0.999))?;
                 let rows = sums.par_chunks_mut(values).zip(batches).enumerate();
                 rows.for_each(|(k, (sums, batches))| {
                     let patch = chunk * CHUNK + k;
@@ -181,8 +194,9 @@ impl<'t, 's> PathTracer<'t, 's> {
                     self.batches(patches, (patch, h), range, estimate.batch, sums, options);
                     *batches += more[patch];
                 });
+                let range = chunk * CHUNK..more.len().min((chunk + 1) * CHUNK);
+                paths += more[range].iter().map(|&n| u64::from(n) * u64::from(estimate.batch)).sum::<u64>();
             }
-            paths += more.iter().map(|&n| u64::from(n) * u64::from(estimate.batch)).sum::<u64>();
         }
         estimate.halves = halves;
         estimate.paths += paths;

@@ -31,15 +31,21 @@ impl Budget {
         bounded && positive(self.standard_error) && positive(self.seconds) && self.paths != Some(0)
     }
 
-    /// The share of the budget that is used up, 0 to 1; the work is done at 1. `seconds` and `paths` are those of this call.
-    pub(super) fn used(&self, estimate: &PathTraced, seconds: f64, paths: u64) -> f64 {
-        let time = self.seconds.map_or(0.0, |most| seconds / most);
-        let count = self.paths.map_or(0.0, |most| paths as f64 / most as f64);
-        let error = self.standard_error.map_or(0.0, |enough| {
-            let now = estimate.relative_standard_error();
-            if now <= enough { 1.0 } else { (enough / now).powi(2) }
+    /// How many more paths are wanted, at the price so far; 0 when the work is done. `seconds` and `paths` are those of this call.
+    pub(super) fn left(&self, estimate: &PathTraced, seconds: f64, paths: u64) -> f64 {
+        /// The least worth starting a round for, as a part of the paths so far.
+        const LEAST: f64 = 0.02;
+        let all = estimate.paths as f64;
+        let by_count = self.paths.map(|most| most.saturating_sub(paths) as f64);
+        let by_time = self.seconds.map(|most| {
+            let wanted = (most - seconds).max(0.0) / estimate.seconds.max(1e-9) * all;
+            if wanted > LEAST * all { wanted } else { 0.0 }
         });
-        time.max(count).max(error).min(1.0)
+        let by_error = self.standard_error.map(|enough| match estimate.relative_standard_error() {
+            now if now <= enough => 0.0,
+            now => (((now / enough).powi(2) - 1.0) * all).max(LEAST * all),
+        });
+        [by_count, by_time, by_error].into_iter().flatten().fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -56,11 +62,9 @@ pub(super) fn first_round(estimate: &PathTraced, budget: &Budget) -> Round {
     [vec![batches; n], vec![batches; n]]
 }
 
-/// The round that follows, when `used` of the budget is used up by `spent` paths in all.
-pub(super) fn next_round(estimate: &PathTraced, used: f64) -> Round {
-    let spent: u64 = (0..estimate.len()).map(|i| estimate.paths_of(i)).sum();
-    // As many paths again, or what is left of the budget at the price so far.
-    let left = spent as f64 * ((1.0 - used) / used.max(1e-9)).min(1.0);
+/// The round that follows when so many paths are left to be traced: at most as many again.
+pub(super) fn next_round(estimate: &PathTraced, left: f64) -> Round {
+    let left = left.min(estimate.paths as f64);
     let batches = (left / f64::from(2 * estimate.batch)).ceil();
     let [a, b] = &estimate.halves;
     [share_out(a, b, batches), share_out(b, a, batches)]

@@ -20,6 +20,9 @@ use crate::trace::{Hit, Ray, Tracer};
 /// Steps that every walk takes; from then on Russian roulette decides whether it goes on.
 const CERTAIN: usize = 3;
 
+/// A path that has met more carriers than this between two diffuse surfaces is given up.
+const MOST_CARRIERS: usize = 1000;
+
 /// A place on a face's side.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
@@ -126,14 +129,22 @@ impl<'t, 's> Walker<'t, 's> {
             // Go on in a direction of density cos θ/π.
             let outwards = frame_around(place.normal) * cosine_hemisphere(direction);
             let ray = Ray { origin: place.point, direction: outwards, from: place.face };
-            let Some(hit) = self.tracer.closest_hit(&ray) else { return };
+            let Some(first) = self.tracer.closest_hit(&ray) else { return };
+            let straight = !self.tracer.is_carrier(first.face);
+            let met = if straight { Some(first) } else { self.beyond_carriers(ray, first, numbers, weight) };
+            let Some(hit) = met else { return };
             let next = Place::of(self.tracer, &hit);
-            // Count the lamp that was met.
+            // Count the lamp that was met; by way of carriers it can't be found otherwise.
             let density = self.lights.density(hit.face);
             if hit.side == Side::Front && density > 0.0 {
-                let by_direction = cosine_hemisphere_pdf(place.normal.dot(outwards));
-                let by_light = density * hit.distance * hit.distance / -next.normal.dot(outwards);
-                arrives(k + 1, PI * share(by_direction, by_light), weight, self.emission(hit.face));
+                let trust = if straight {
+                    let by_direction = cosine_hemisphere_pdf(place.normal.dot(outwards));
+                    let by_light = density * hit.distance * hit.distance / -next.normal.dot(outwards);
+                    share(by_direction, by_light)
+                } else {
+                    1.0
+                };
+                arrives(k + 1, PI * trust, weight, self.emission(hit.face));
             }
             // Reflect, and let chance decide whether what is left is worth another step.
             let before = largest(weight);
@@ -159,6 +170,42 @@ impl<'t, 's> Walker<'t, 's> {
             let [s, t, ..] = numbers.next();
             direction = [s, t];
         }
+    }
+
+    /// The diffuse surface on which a ray ends that mirrors and glass pass on from `hit`, by one way at each; nothing if it leaves or is
+    /// absorbed. Its weight takes on their colours.
+    pub fn beyond_carriers(
+        &self,
+        mut ray: Ray,
+        mut hit: Hit,
+        numbers: &mut Numbers,
+        weight: &mut [f64],
+    ) -> Option<Hit> {
+        for met in 0..MOST_CARRIERS {
+            let [way, life, ..] = numbers.next();
+            let scattered = self.tracer.scatter(&ray, &hit, way);
+            if let Some(colour) = scattered.colour {
+                let before = largest(weight);
+                weight.iter_mut().zip(colour).for_each(|(w, part)| *w *= part);
+                let survival = largest(weight) / before;
+                if survival.is_nan() || survival == 0.0 {
+                    return None;
+                }
+                // Far on its way, let chance decide whether what is left is worth another step.
+                if met >= CERTAIN {
+                    if life >= survival {
+                        return None;
+                    }
+                    weight.iter_mut().for_each(|w| *w /= survival);
+                }
+            }
+            ray = scattered.ray;
+            hit = self.tracer.closest_hit(&ray)?;
+            if !self.tracer.is_carrier(hit.face) {
+                return Some(hit);
+            }
+        }
+        None
     }
 
     /// A point on a lamp that is seen from `place`: irradiance per unit of its emission, and its face.

@@ -14,8 +14,8 @@ use super::super::to_rgb;
 use super::field::Elements;
 use crate::patches::Patches;
 use crate::scene::Side;
-use crate::trace::sampling::{cosine_hemisphere, frame_around};
-use crate::trace::{Hit, LampView, Lamps, Lights, Ray, Tracer, geometry_term};
+use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around};
+use crate::trace::{Destination, Hit, LampView, Lamps, Lights, Ray, Tracer, geometry_term};
 
 /// All it takes to gather light at a point.
 pub(super) struct Gather<'a, 's> {
@@ -70,8 +70,47 @@ impl<'a, 's> Gather<'a, 's> {
         }
     }
 
+    /// The radiance that comes along a camera's ray, and what the ray met first; none where no light comes. Random numbers are those of a
+    /// point of a sequence, from dimension set 1 on; where the ray meets carriers it takes one way at each, by chance.
+    pub fn seen_along(&self, ray: &Ray, numbers: (Sequence, u32), views: &mut Views) -> Option<(Hit, DVec3)> {
+        let first = self.tracer.closest_hit(ray)?;
+        let (hit, colour) = match self.tracer.is_carrier(first.face) {
+            false => (first, DVec3::ONE),
+            true => match self.beyond_carriers(ray, numbers, 3) {
+                Some((hit, colour, _)) => (hit, colour),
+                None => return Some((first, DVec3::ZERO)),
+            },
+        };
+        let lit = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics).is_some();
+        match (lit, self.tracer.is_carrier(first.face)) {
+            (true, _) => Some((first, colour * self.radiance(&hit, numbers, views))),
+            (false, true) => Some((first, DVec3::ZERO)),
+            (false, false) => None,
+        }
+    }
+
+    /// Where a ray ends, by what colour it is dimmed on its way there over carriers, and whether there were any.
+    fn beyond_carriers(
+        &self,
+        ray: &Ray,
+        (sequence, point): (Sequence, u32),
+        first_set: u32,
+    ) -> Option<(Hit, DVec3, bool)> {
+        let mut colour = DVec3::ONE;
+        let dims = |part: &[f64], _: f64| {
+            colour *= DVec3::from(to_rgb(part));
+            colour.max_element() > 0.0
+        };
+        let numbers = |k: u32| sequence.dimensions(point, first_set + 2 * k);
+        match self.tracer.destination(ray, numbers, dims) {
+            Destination::Diffuse { hit, carried } => Some((hit, colour, carried)),
+            Destination::Away(_) | Destination::Absorbed | Destination::Lost => None,
+        }
+    }
+
     /// Radiance that leaves where a ray ended, estimated with random numbers for a point of the lamps and a direction.
-    pub fn radiance(&self, hit: &Hit, [s, t, u, v]: [f64; 4], views: &mut Views) -> DVec3 {
+    fn radiance(&self, hit: &Hit, numbers: (Sequence, u32), views: &mut Views) -> DVec3 {
+        let [s, t, u, v] = numbers.0.dimensions(numbers.1, 1);
         let place = self.place(hit);
         let material = self.tracer.scene().faces()[hit.face as usize].material as usize;
         let reflectance = self.reflectance[material];
@@ -83,7 +122,7 @@ impl<'a, 's> Gather<'a, 's> {
         emitted
             + reflectance
                 * (self.light_of_lamps(&place, view, [s, t])
-                    + self.light_around(&place, view, [u, v])
+                    + self.light_around(&place, view, [u, v], numbers)
                     + self.light_of_lights(&place, [s, t]))
     }
 
@@ -134,15 +173,22 @@ impl<'a, 's> Gather<'a, 's> {
     }
 
     /// H/π from where a cosine-distributed ray lands.
-    fn light_around(&self, place: &Place, view: &LampView, random: [f64; 2]) -> DVec3 {
+    fn light_around(
+        &self,
+        place: &Place,
+        view: &LampView,
+        random: [f64; 2],
+        numbers: (Sequence, u32),
+    ) -> DVec3 {
         let direction = frame_around(place.normal) * cosine_hemisphere(random);
         let ray = Ray { origin: place.point, direction, from: place.face };
-        let Some(hit) = self.tracer.closest_hit(&ray) else { return DVec3::ZERO };
+        let Some((hit, colour, carried)) = self.beyond_carriers(&ray, numbers, 2) else { return DVec3::ZERO };
         let Some(patch) = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics) else {
             return DVec3::ZERO;
         };
-        let radiance = self.radiance.at(patch, hit.barycentrics);
-        if !self.lamps.contains(hit.face as usize, hit.side) {
+        let radiance = colour * self.radiance.at(patch, hit.barycentrics);
+        // What comes by way of carriers is found by such rays alone.
+        if carried || !self.lamps.contains(hit.face as usize, hit.side) {
             return radiance;
         }
         // Leave to lamp points their share of what the lamp emits.

@@ -10,6 +10,7 @@ mod gather;
 mod lens;
 mod numbers;
 mod outlines;
+mod reflections;
 mod samples;
 
 use std::ops::Range;
@@ -24,6 +25,7 @@ use self::gather::{Gather, Views};
 use self::lens::Lens;
 use self::numbers::Numbers;
 use self::outlines::dimming;
+use self::reflections::seen_along;
 use self::samples::{FEW, MANY, Samples, Seen, rough_pixels, stratified};
 use super::limiter::limited;
 use super::{OutputError, Picture, to_rgb};
@@ -274,13 +276,12 @@ impl<'a, 's> View<'a, 's> {
             let anywhere = || corner + DVec2::from_slice(&sequence.dimensions(place, 0)[..2]);
             let seen = match &self.sight {
                 Sight::Field(field) => self.look(corner + stratified(k), |ray| {
-                    let (hit, patch) = self.lit_hit(ray)?;
-                    Some((hit, field.at(patch, hit.barycentrics)))
+                    let radiance = |hit: &Hit| Some(field.at(self.lit_patch(hit)?, hit.barycentrics));
+                    seen_along(self.tracer, ray, &radiance)
                 }),
-                Sight::Gather(gather) => self.look(anywhere(), |ray| {
-                    let (hit, _) = self.lit_hit(ray)?;
-                    Some((hit, gather.radiance(&hit, sequence.dimensions(place, 1), &mut views)))
-                }),
+                Sight::Gather(gather) => {
+                    self.look(anywhere(), |ray| gather.seen_along(ray, (sequence, place), &mut views))
+                }
                 Sight::Path(paths) => self.look(anywhere(), |ray| {
                     channels.fill(0.0);
                     let hit = paths.add_radiance(ray, sequence, place, &mut channels)?;
@@ -291,11 +292,9 @@ impl<'a, 's> View<'a, 's> {
         }
     }
 
-    /// What a ray meets, and the patch there; none where no light comes.
-    fn lit_hit(&self, ray: &Ray) -> Option<(Hit, usize)> {
-        let hit = self.tracer.closest_hit(ray)?;
-        let patch = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics)?;
-        Some((hit, patch))
+    /// The patch where a ray ended; none where no light comes.
+    fn lit_patch(&self, hit: &Hit) -> Option<usize> {
+        self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics)
     }
 
     /// What a ray that leaves the scene sees of the sky.

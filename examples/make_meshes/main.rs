@@ -12,7 +12,7 @@
 //!
 //! At the end every mesh's area is held against a formula that knows nothing of the mesh.
 
-#[path = "make_meshes/lit.rs"]
+mod carriers;
 mod lit;
 
 use std::f64::consts::PI;
@@ -34,6 +34,8 @@ fn main() -> io::Result<ExitCode> {
         facing_plates(),
         two_rooms(),
         furnished_room(),
+        carriers::mirror_room(),
+        carriers::glass_balls(),
         lit::daylit_room(),
         lit::spot_gallery(),
     ];
@@ -744,20 +746,37 @@ struct Scene {
     tolerance: f64,
 }
 
-/// Diffuse reflectance, and emitted radiance of the front in W/(sr m²).
+/// Diffuse reflectance, and emitted radiance of the front in W/(sr m²); or what a mirror or glass is.
 struct Material {
     name: &'static str,
     reflectance: [f64; 3],
     radiance: Option<[f64; 3]>,
+    finish: Finish,
+}
+
+enum Finish {
+    Matt,
+    /// Reflectance.
+    Mirror(f64),
+    /// Index of refraction.
+    Glass(f64),
 }
 
 impl Material {
     fn matt(name: &'static str, reflectance: [f64; 3]) -> Material {
-        Material { name, reflectance, radiance: None }
+        Material { name, reflectance, radiance: None, finish: Finish::Matt }
     }
 
     fn glowing(name: &'static str, reflectance: [f64; 3], radiance: [f64; 3]) -> Material {
-        Material { name, reflectance, radiance: Some(radiance) }
+        Material { radiance: Some(radiance), ..Material::matt(name, reflectance) }
+    }
+
+    fn mirror(name: &'static str, reflectance: f64) -> Material {
+        Material { finish: Finish::Mirror(reflectance), ..Material::matt(name, [0.0; 3]) }
+    }
+
+    fn glass(name: &'static str, index: f64) -> Material {
+        Material { finish: Finish::Glass(index), ..Material::matt(name, [0.0; 3]) }
     }
 }
 
@@ -811,12 +830,16 @@ impl Scene {
         let mut text = String::from(
             "# Kd: diffuse reflectance. Ke: radiance emitted by the front, W/(sr m2). Linear RGB.\n",
         );
-        for Material { name, reflectance: [r, g, b], radiance } in &self.materials {
+        for Material { name, reflectance: [r, g, b], radiance, finish } in &self.materials {
             let _ = writeln!(text, "\nnewmtl {name}\nKd {r} {g} {b}");
             if let Some([r, g, b]) = radiance {
                 let _ = writeln!(text, "Ke {r} {g} {b}");
             }
-            text += "illum 1\n";
+            let _ = match finish {
+                Finish::Matt => writeln!(text, "illum 1"),
+                Finish::Mirror(ks) => writeln!(text, "Ks {ks} {ks} {ks}\nillum 3"),
+                Finish::Glass(ni) => writeln!(text, "Ni {ni}\nTf 1 1 1\nillum 4"),
+            };
         }
         text
     }

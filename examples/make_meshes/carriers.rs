@@ -1,0 +1,116 @@
+//! Scenes with carriers: mirrors and glass.
+
+use std::f64::consts::PI;
+
+use super::Side::*;
+use super::{Camera, Material, Mesh, Point, ROUNDING, Scene, block_area, box_area, inside, plus};
+
+pub fn mirror_room() -> Scene {
+    let mut m = Mesh::default();
+    let (low, high) = ([0.0; 3], [4.0, 2.6, 3.0]);
+    let lamp = inside([0.6, 2.6, 0.4], [1.4, 2.6, 1.2], Top);
+    let screen = [[2.0, 2.0, 0.0], [1.9, 2.0, 0.0], [1.9, 2.0, 1.8], [2.0, 2.0, 1.8]];
+    let block = [[3.0, 0.8, 0.6], [2.6, 0.8, 1.0], [3.0, 0.8, 1.4], [3.4, 0.8, 1.0]];
+
+    m.paint("floor", "oak").room(low, high, &[Bottom]);
+    m.paint("mirror_wall", "mirror").room(low, high, &[Front]);
+    m.paint("walls", "chalk").room(low, high, &[Left, Back]);
+    m.paint("end_wall", "blue").room(low, high, &[Right]);
+    m.paint("ceiling", "chalk").surround(inside(low, high, Top), lamp);
+    m.paint("lamp", "lamp").face(&lamp);
+    m.paint("screen", "chalk").block(screen);
+    m.paint("block", "terracotta").block(block);
+
+    Scene {
+        name: "mirror_room",
+        notes: "\
+A closed room of 4 x 2.6 x 3 m whose wall at z = 3 is a mirror. A screen stands between the
+lamp and the terracotta block: much of the light that reaches the far end goes by way of the
+mirror, and the bright patch it throws there has the outline of the lamp's gap.
+
+Known: the lamp emits pi A Le = pi * 0.64 m2 * (18, 16, 13) = (36.191, 32.170, 26.138) W, and
+what the diffuse faces absorb and what the mirror absorbs, 5 % at every reflection, add up to
+that.",
+        materials: vec![
+            Material::matt("chalk", [0.80, 0.78, 0.74]),
+            Material::matt("oak", [0.45, 0.32, 0.21]),
+            Material::matt("blue", [0.24, 0.44, 0.68]),
+            Material::matt("terracotta", [0.66, 0.27, 0.16]),
+            Material::mirror("mirror", 0.95),
+            Material::glowing("lamp", [0.78, 0.78, 0.78], [18.0, 16.0, 13.0]),
+        ],
+        mesh: m,
+        lights: "",
+        camera: Camera {
+            about: "From the lit end towards the mirror: what it shows is behind the viewer.",
+            position: [0.4, 1.7, 0.3],
+            target: [2.6, 1.0, 3.0],
+            fov: 70.0,
+        },
+        area: box_area(4.0, 2.6, 3.0) + block_area(screen) + block_area(block),
+        tolerance: ROUNDING,
+    }
+}
+
+pub fn glass_balls() -> Scene {
+    let mut m = Mesh::default();
+    let (low, high) = ([0.0; 3], [3.0, 2.4, 3.0]);
+    let lamp = inside([1.3, 2.4, 1.1], [1.7, 2.4, 1.5], Top);
+
+    m.paint("floor", "sand");
+    for x in 0..6 {
+        for z in 0..6 {
+            let corner = [0.5 * f64::from(x), 0.0, 0.5 * f64::from(z)];
+            m.room(corner, plus(corner, [0.5, 0.0, 0.5]), &[Bottom]);
+        }
+    }
+    m.paint("left_wall", "red").room(low, high, &[Left]);
+    m.paint("right_wall", "blue").room(low, high, &[Right]);
+    m.paint("walls", "chalk").room(low, high, &[Back, Front]);
+    m.paint("ceiling", "chalk").surround(inside(low, high, Top), lamp);
+    m.paint("lamp", "lamp").face(&lamp);
+    m.paint("large_ball", "glass");
+    ball(&mut m, [1.05, 0.52, 1.1], 0.5, 4);
+    m.paint("small_ball", "glass");
+    ball(&mut m, [2.1, 0.32, 1.8], 0.3, 3);
+
+    Scene {
+        name: "glass_balls",
+        notes: "\
+Two balls of glass, index of refraction 1.5, under a lamp of 0.4 m x 0.4 m in a closed room with a
+red and a blue wall. Each gathers the lamp's light into a caustic on the floor, inside the
+shadow it casts, and shows the room upside down.
+
+Known: the lamp emits pi A Le = pi * 0.16 m2 * (60, 56, 50) = (30.159, 28.149, 25.133) W. Clear
+glass absorbs nothing: the diffuse faces absorb all of it.",
+        materials: vec![
+            Material::matt("sand", [0.72, 0.66, 0.52]),
+            Material::matt("chalk", [0.80, 0.78, 0.74]),
+            Material::matt("red", [0.63, 0.12, 0.10]),
+            Material::matt("blue", [0.16, 0.28, 0.62]),
+            Material::glass("glass", 1.5),
+            Material::glowing("lamp", [0.78, 0.78, 0.78], [60.0, 56.0, 50.0]),
+        ],
+        mesh: m,
+        lights: "",
+        camera: Camera {
+            about: "From the front, down on the balls and their caustics.",
+            position: [1.6, 1.5, 2.9],
+            target: [1.5, 0.35, 1.2],
+            fov: 55.0,
+        },
+        area: box_area(3.0, 2.4, 3.0) + 4.0 * PI * (0.5_f64.powi(2) + 0.3_f64.powi(2)),
+        tolerance: 1e-3,
+    }
+}
+
+/// A ball seen from outside: an icosahedron with every triangle cut in four, `cuts` times, blown up to the sphere.
+fn ball(m: &mut Mesh, centre: Point, radius: f64, cuts: u32) {
+    let mut unit = Mesh::default();
+    unit.icosphere(cuts);
+    for polygon in &unit.polygons {
+        let corners: Vec<Point> = polygon.corners.iter().rev().map(|&k| unit.vertices[k]).collect();
+        let placed: Vec<Point> = corners.iter().map(|p| plus(centre, p.map(|x| x * radius))).collect();
+        m.face(&placed);
+    }
+}

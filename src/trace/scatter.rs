@@ -1,0 +1,238 @@
+//! Scatter: what mirrors and glass do with a ray.
+//!
+//! A mirror sends it on in one direction, r = d − 2(d·n)n. Smooth glass reflects the part F of its power and refracts the rest
+//! (Snell 1621, Fresnel 1823); beyond the critical angle F = 1. Which of the two a random ray takes is chosen with their own
+//! probabilities F and 1 − F, so that the ray keeps its weight.
+
+use super::{Hit, Ray, Tracer};
+use crate::scene::{Side, Surface};
+
+/// A ray that has met more carriers than this is given up as lost.
+const LONGEST: u32 = 256;
+
+/// One way on from a carrier.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattered<'s> {
+    /// The ray that goes on.
+    pub ray: Ray,
+    /// Which part of the power goes this way, before `colour`.
+    pub share: f64,
+    /// Which part of that goes on, per channel; none where all of it does.
+    pub colour: Option<&'s [f64]>,
+}
+
+/// Where a ray ends once carriers have passed it on.
+#[derive(Clone, Copy, Debug)]
+pub enum Destination {
+    /// On a diffuse surface.
+    Diffuse {
+        /// Where.
+        hit: Hit,
+        /// Whether it came by way of carriers.
+        carried: bool,
+    },
+    /// Outside of the scene, by this last ray.
+    Away(Ray),
+    /// In a carrier.
+    Absorbed,
+    /// Nowhere: it was given up after 256 carriers.
+    Lost,
+}
+
+impl<'s> Tracer<'s> {
+    /// The ways on from a carrier that `ray` meets at `hit`; their shares sum to 1.
+    ///
+    /// # Panics
+    /// If the face is no carrier.
+    pub fn ways_on(&self, ray: &Ray, hit: &Hit) -> [Option<Scattered<'s>>; 2] {
+        let face = hit.face as usize;
+        let [a, b, c] = self.corners[face];
+        let [u, v] = hit.barycentrics;
+        let origin = a + (b - a) * u + (c - a) * v;
+        let normal = self.normal(face, hit.side);
+        let cosine = -ray.direction.dot(normal);
+        let way = |direction: glam::DVec3, share, colour| {
+            let ray = Ray { origin, direction: direction.normalize(), from: hit.face };
+            Some(Scattered { ray, share, colour })
+        };
+        let reflected = ray.direction + normal * (2.0 * cosine);
+        match &self.scene.material_of(face).surface {
+            Surface::Mirror { reflectance } => [way(reflected, 1.0, Some(reflectance)), None],
+            Surface::Dielectric { index, filter } => {
+                let ratio = if hit.side == Side::Front { *index } else { 1.0 / index };
+                // Snell: sin θ = ratio · sin θ′.
+                let inside = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);
+                if inside <= 0.0 {
+                    return [way(reflected, 1.0, None), None];
+                }
+                let share = fresnel(cosine, ratio);
+                let refracted = (ray.direction + normal * cosine) / ratio - normal * inside.sqrt();
+                [way(reflected, share, None), way(refracted, 1.0 - share, Some(filter))]
+            }
+            Surface::Diffuse | Surface::Glossy => panic!("face {face} is no carrier"),
+        }
+    }
+
+    /// One of the ways on, drawn with its share by a random number `chance`.
+    #[inline]
+    pub fn scatter(&self, ray: &Ray, hit: &Hit, chance: f64) -> Scattered<'s> {
+        let [first, second] = self.ways_on(ray, hit);
+        let first = first.expect("there is always a way on");
+        second.filter(|_| chance >= first.share).unwrap_or(first)
+    }
+
+    /// Follows a ray, by one way at every carrier, until it meets a diffuse surface or ends elsewhere.
+    ///
+    /// `numbers(k)` gives random numbers for the k-th carrier. `survives(colour, chance)` decides, by another of them, whether the ray goes on
+    /// where that part of its power does.
+    #[inline]
+    pub fn destination(
+        &self,
+        ray: &Ray,
+        numbers: impl FnMut(u32) -> [f64; 4],
+        survives: impl FnMut(&[f64], f64) -> bool,
+    ) -> Destination {
+        match self.closest_hit(ray) {
+            None => Destination::Away(*ray),
+            Some(hit) if !self.is_carrier(hit.face) => Destination::Diffuse { hit, carried: false },
+            Some(hit) => self.carried(ray, hit, numbers, survives),
+        }
+    }
+
+    fn carried(
+        &self,
+        ray: &Ray,
+        mut hit: Hit,
+        mut numbers: impl FnMut(u32) -> [f64; 4],
+        mut survives: impl FnMut(&[f64], f64) -> bool,
+    ) -> Destination {
+        let mut ray = *ray;
+        for k in 0..LONGEST {
+            let [way, life, ..] = numbers(k);
+            let scattered = self.scatter(&ray, &hit, way);
+            if scattered.colour.is_some_and(|colour| !survives(colour, life)) {
+                return Destination::Absorbed;
+            }
+            ray = scattered.ray;
+            match self.closest_hit(&ray) {
+                None => return Destination::Away(ray),
+                Some(next) if !self.is_carrier(next.face) => {
+                    return Destination::Diffuse { hit: next, carried: true };
+                }
+                Some(next) => hit = next,
+            }
+        }
+        Destination::Lost
+    }
+}
+
+/// The part of unpolarised light that a smooth surface reflects, met at an angle of this cosine; `ratio` is the index of refraction
+/// behind the surface by that before it (Fresnel 1823). 1 beyond the critical angle.
+pub fn fresnel(cosine: f64, ratio: f64) -> f64 {
+    let inside = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);
+    if inside <= 0.0 {
+        return 1.0;
+    }
+    let inner = inside.sqrt();
+    let across = (cosine - ratio * inner) / (cosine + ratio * inner);
+    let along = (ratio * cosine - inner) / (ratio * cosine + inner);
+    0.5 * (across * across + along * along)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::scene::{Face, FaceState, Material, Scene, SceneParts};
+    use crate::trace::sampling::{Sequence, cosine_hemisphere};
+
+    /// A triangle in the plane z = 0 that fronts towards +z.
+    fn sheet(material: Material) -> Scene {
+        Scene::new(SceneParts {
+            vertices: vec![
+                DVec3::new(-9.0, -9.0, 0.0),
+                DVec3::new(9.0, -9.0, 0.0),
+                DVec3::new(0.0, 9.0, 0.0),
+            ],
+            faces: vec![Face {
+                vertices: [0, 1, 2],
+                normals: None,
+                material: 0,
+                object: 0,
+                state: FaceState::Kept,
+            }],
+            materials: vec![material],
+            objects: vec!["sheet".into()],
+            ..Default::default()
+        })
+        .unwrap()
+    }
+
+    /// A ray in direction d that meets the sheet.
+    fn towards(tracer: &Tracer, d: DVec3) -> (Ray, Hit) {
+        let ray = Ray { origin: -0.1 * d, direction: d, from: Ray::FREE };
+        (ray, tracer.closest_hit(&ray).expect("the sheet is met"))
+    }
+
+    #[test]
+    fn fresnel_knows_normal_incidence_brewsters_angle_and_total_reflection() {
+        assert!((fresnel(1.0, 1.5) - 0.04).abs() < 1e-15);
+        assert!((fresnel(1.0, 1.0 / 1.5) - 0.04).abs() < 1e-15);
+        // At tan θ = n nothing is reflected of one polarisation, and sin²(θ − θ′) of the other.
+        let theta = 1.5f64.atan();
+        let other = (theta.sin() / 1.5).asin();
+        assert!((fresnel(theta.cos(), 1.5) - 0.5 * (theta - other).sin().powi(2)).abs() < 1e-15);
+        assert_eq!(fresnel(0.7, 1.0 / 1.5), 1.0);
+        assert!(fresnel(0.75, 1.0 / 1.5) < 1.0);
+        assert!(fresnel(0.0, 1.5) == 1.0 && fresnel(0.3, 1.0) < 1e-30);
+    }
+
+    #[test]
+    fn a_mirror_turns_a_ray_and_turns_it_back() {
+        let scene = sheet(Material::mirror("mirror", &[0.8]));
+        let tracer = Tracer::new(&scene);
+        for d in [DVec3::new(0.6, 0.0, -0.8), DVec3::new(0.2, -0.3, 0.5).normalize()] {
+            let (ray, hit) = towards(&tracer, d);
+            let way = tracer.scatter(&ray, &hit, 0.5);
+            assert!((way.ray.direction - DVec3::new(d.x, d.y, -d.z)).length() < 1e-15);
+            assert_eq!((way.share, way.colour), (1.0, Some(&[0.8][..])));
+            let (ray, hit) = towards(&tracer, -way.ray.direction);
+            assert!((tracer.scatter(&ray, &hit, 0.5).ray.direction + d).length() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn refraction_obeys_snell_and_is_reversible() {
+        let scene = sheet(Material::dielectric("glass", 1.5, &[1.0]));
+        let tracer = Tracer::new(&scene);
+        for k in 0..100 {
+            let [u, v, ..] = Sequence::new(2, 0, 0).point(k);
+            let d = -cosine_hemisphere([u, v]);
+            let (ray, hit) = towards(&tracer, d);
+            let [reflected, refracted] = tracer.ways_on(&ray, &hit).map(|way| way.expect("two ways"));
+            assert!((reflected.share + refracted.share - 1.0).abs() < 1e-15);
+            let t = refracted.ray.direction;
+            assert!((t.length() - 1.0).abs() < 1e-14 && t.z < 0.0);
+            let across = |d: DVec3| DVec3::new(d.x, d.y, 0.0);
+            assert!((across(d) - 1.5 * across(t)).length() < 1e-14);
+            // Back the same way, as much is refracted.
+            let (ray, hit) = towards(&tracer, -t);
+            let back = tracer.ways_on(&ray, &hit)[1].expect("two ways");
+            assert!((back.ray.direction + d).length() < 1e-7 && (back.share - refracted.share).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn ways_are_drawn_with_their_shares() {
+        let scene = sheet(Material::dielectric("glass", 1.5, &[1.0]));
+        let tracer = Tracer::new(&scene);
+        let (ray, hit) = towards(&tracer, DVec3::new(0.95, 0.0, -0.4).normalize());
+        let share = tracer.ways_on(&ray, &hit)[0].expect("reflection").share;
+        let n = 10_000;
+        let reflected = (0..n).filter(|&k| {
+            tracer.scatter(&ray, &hit, (f64::from(k) + 0.5) / f64::from(n)).ray.direction.z > 0.0
+        });
+        assert!((reflected.count() as f64 / f64::from(n) - share).abs() < 1e-4);
+    }
+}
