@@ -52,24 +52,31 @@
 //! | symbol | name | unit | shape |
 //! |---|---|---|---|
 //! | L | radiance leaving a patch | W·sr⁻¹·m⁻² | n × c |
-//! | Lₑ | emitted radiance, the right-hand side E | W·sr⁻¹·m⁻² | n × c |
+//! | Lₑ | emitted radiance | W·sr⁻¹·m⁻² | n × c |
+//! | E = Lₑ + ρH₀/π | the right-hand side; Lₑ where there are no lights without area | W·sr⁻¹·m⁻² | n × c |
 //! | ρ | reflectance (albedo) | 1 | n × c |
 //! | F_ij | form factor: the fraction of what i sends out that lands on j; F_i∞ what escapes | 1 | n × n |
 //! | S_ij = A_i F_ij = S_ji | exchange area | m² | n × n |
 //! | K = diag(ρ) F | transport operator | 1 | n × n |
-//! | H = π F L | irradiance | W·m⁻² | n × c |
+//! | H = H₀ + π F L | irradiance | W·m⁻² | n × c |
+//! | H₀ | irradiance by lights without area (point, spot, sun, sky) | W·m⁻² | n × c |
 //! | B = π L | radiosity (radiant exitance) | W·m⁻² | n × c |
 //! | Φ = Σ A B | radiant flux (power) | W | c |
 //!
 //! with n patches and c channels: three of colour, or one where all channels agree. With linear elements
 //! ([`Basis::Linear`](patches::Basis)) every patch has three coefficients in the place of one, the field's values at its corners:
 //! vectors are 3n × c, S_(ia)(jb) = ∫∫ φ_a φ_b dF dA, and M⁻¹S stands for F, with the mass M_(ia)(ib) = ∫ φ_a φ_b dA; pictures and
-//! meshes take either. *Order k* of the series is L_k = Lₑ + ρH_k/π with H_k = πF L_{k−1}; *bounce k* is KᵏE, what order k adds.
+//! meshes take either. *Order k* of the series is L_k = Lₑ + ρH_k/π with H_k = H₀ + πF L_{k−1} and L_{−1} = 0; *bounce k* is KᵏE, what order k adds.
 //! A *guaranteed* bound holds for the operator at hand in exact arithmetic; it does not speak of how well that operator stands
 //! for the scene.
 //!
 //! Mirrors and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
 //! beside it.
+//!
+//! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take [`Sources`](transport::Sources) for what starts in them:
+//! `let sources = Sources::trace(&tracer, &patches, factors.basis(), &LightOptions::default())?`, then
+//! `sources.right_hand_side(&k)` for E, and [`Solution::under`](solve::Solution::under) to add H₀ to the irradiance.
+//! [`ReceiverRows`](transport::ReceiverRows) give the irradiance at points that are no patches.
 //!
 //! # The way through the house
 //!

@@ -1,4 +1,4 @@
-//! Builds the example scenes and writes each as OBJ (shape), MTL (paint) and TOML (camera):
+//! Builds the example scenes and writes each as OBJ (shape), MTL (paint) and TOML (camera, lights):
 //!
 //! ```text
 //! cargo run --release --example make_meshes              # into meshes/
@@ -13,6 +13,7 @@
 //! At the end every mesh's area is held against a formula that knows nothing of the mesh.
 
 mod carriers;
+mod lit;
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -35,6 +36,8 @@ fn main() -> io::Result<ExitCode> {
         furnished_room(),
         carriers::mirror_room(),
         carriers::glass_balls(),
+        lit::daylit_room(),
+        lit::spot_gallery(),
     ];
     let mut all_right = true;
     for scene in &scenes {
@@ -120,6 +123,7 @@ the light itself; hold it against a path tracer.",
             Material::glowing("light", [0.78, 0.78, 0.78], [17.0, 12.0, 4.0]),
         ],
         mesh: m,
+        lights: "",
         camera: Camera {
             about: "The published camera: focal length 35 mm before a film 25 mm high.",
             position: [2.78, 2.73, -8.0],
@@ -149,6 +153,7 @@ and after k bounces L_k = Le (1 - rho^(k+1)) / (1 - rho) = 1, 1.5, 1.75, 1.875, 
 Irradiance is 2 pi. Whatever differs from these numbers is a row sum that is not 1.",
         materials: vec![Material::glowing("grey", [0.5; 3], [1.0; 3])],
         mesh: m,
+        lights: "",
         camera: Camera {
             about: "From one corner of the cube to the opposite one; a right picture is blank.",
             position: [0.9, 0.9, 0.9],
@@ -178,6 +183,7 @@ F_ij = A_j / (4 pi r^2), wherever the two lie. The mesh is inscribed, so its are
 short of 4 pi by 0.48 %, and flat triangles do not see themselves.",
         materials: vec![Material::glowing("grey", [0.7; 3], [0.3; 3])],
         mesh: m,
+        lights: "",
         camera: Camera {
             about: "From near the shell through the centre; a right picture is blank.",
             position: [0.0, 0.0, 0.9],
@@ -226,6 +232,7 @@ irradiance is higher at the middle of a plate than at its rim, so the mean radia
 finer mesh differ slightly from these.",
         materials: vec![Material::glowing("glowing", [0.5; 3], [1.0; 3]), Material::matt("pale", [0.8; 3])],
         mesh: m,
+        lights: "",
         camera: Camera {
             about: "From outside at half height, where the inner sides of both plates show.",
             position: [1.5, 0.54, 2.9],
@@ -311,6 +318,7 @@ and all of it is absorbed: the sum of A (1 - rho) H over all faces is exactly th
             Material::glowing("lamp", [0.78, 0.78, 0.78], [15.0, 14.0, 12.0]),
         ],
         mesh: m,
+        lights: "",
         camera: Camera {
             about: "From a corner of the dark room through the door into the lit one.",
             position: [7.95, 2.2, 3.7],
@@ -374,6 +382,7 @@ closed form for the light itself; hold it against a path tracer.",
             Material::glowing("lamp", [0.78, 0.78, 0.78], [12.0, 11.0, 9.0]),
         ],
         mesh: m,
+        lights: "",
         camera: Camera {
             about: "From a corner just below the ceiling across the whole room.",
             position: [4.8, 2.3, 3.8],
@@ -729,6 +738,8 @@ struct Scene {
     notes: &'static str,
     materials: Vec<Material>,
     mesh: Mesh,
+    /// Lights without area and the sky, as the TOML file says them.
+    lights: &'static str,
     camera: Camera,
     /// The area by formula, m², and how far the mesh may be from it, relative.
     area: f64,
@@ -837,7 +848,8 @@ impl Scene {
         let Camera { about, position, target, fov } = self.camera;
         format!(
             "# {about}\n\n[camera]\nposition = {position:?}\ntarget = {target:?}\n\
-             up = [0.0, 1.0, 0.0]\nfov = {fov:?} # vertical, degrees\n"
+             up = [0.0, 1.0, 0.0]\nfov = {fov:?} # vertical, degrees\n{}",
+            self.lights
         )
     }
 }

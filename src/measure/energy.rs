@@ -5,12 +5,12 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use crate::transport::Transport;
+use crate::transport::{Sources, Transport};
 
 /// Radiant flux Φ by where it comes from and goes to, per channel, W; every term computed on its own.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Energy {
-    /// π Σ A Lₑ.
+    /// π Σ A Lₑ, and Σ A H₀, what lights without area deliver.
     pub emitted: Vec<f64>,
     /// Σ (1 − ρ) A H with H recomputed from L.
     pub absorbed: Vec<f64>,
@@ -30,13 +30,24 @@ impl Energy {
     /// # Panics
     /// If `e` or `l` is not N × c.
     pub fn new(k: &Transport, e: &DMatrix<f64>, l: &DMatrix<f64>, unit: f64) -> Self {
+        Self::of(k, &e.clone().into(), l, unit)
+    }
+
+    /// The same with lights without area.
+    ///
+    /// # Panics
+    /// If the sources or `l` are not N × c.
+    pub fn of(k: &Transport, sources: &Sources, l: &DMatrix<f64>, unit: f64) -> Self {
         let channels = k.channels();
-        let irradiance = k.irradiance(l);
+        let mut irradiance = k.irradiance(l);
+        if let Some(direct) = &sources.direct {
+            irradiance += direct;
+        }
         let area = k.mass().sums();
         let weigh = |value: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
             (0..channels).map(|c| unit * (0..k.len()).map(|i| value(i, c)).sum::<f64>()).collect()
         };
-        let emitted = weigh(&|i, c| PI * area[i] * e[(i, c)]);
+        let emitted: Vec<f64> = sources.flux(k.mass()).into_iter().map(|flux| unit * flux).collect();
         let absorbed = weigh(&|i, c| (1.0 - k.reflectance()[(i, c)]) * area[i] * irradiance[(i, c)]);
         let escaped = weigh(&|i, c| PI * k.exchange().escape(i) * l[(i, c)]);
         let carriers = weigh(&|i, c| PI * k.exchange().absorbed(i) * l[(i, c)]);

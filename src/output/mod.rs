@@ -13,6 +13,7 @@ mod image;
 mod limiter;
 mod mesh;
 mod npz;
+mod photometry;
 mod picture;
 mod smooth;
 mod summary;
@@ -29,12 +30,14 @@ pub use self::comparison::{
     write_comparison_table,
 };
 pub use self::figure::{
-    BouncePictures, ComparisonOptions, OrdersPlot, write_bounces, write_comparison, write_orders_plot,
+    BouncePictures, ComparisonOptions, OrdersPlot, write_bounces, write_comparison, write_illuminance,
+    write_orders_plot,
 };
 pub use self::file::{Outputs, replace};
 pub use self::form_factors::{FactorFormat, FactorTable, write_form_factors};
 pub use self::image::{Outlines, RenderOptions, Shading, render};
 pub use self::mesh::write_ply;
+pub use self::photometry::{Illuminance, illuminance, write_photometry, write_receivers};
 pub use self::picture::{LampPart, Picture};
 pub use self::smooth::SmoothField;
 pub use self::summary::{

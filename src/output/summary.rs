@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use serde::Serialize;
 
-use super::to_rgb;
+use super::{Illuminance, to_rgb};
 use crate::measure::{Energy, Undershoot};
 use crate::solve::{Report, Series, Solution};
 use crate::transport::{Closure, Effect};
@@ -51,6 +51,9 @@ pub struct Summary {
     pub energy: EnergySummary,
     /// How well form factors close.
     pub closure: Closure,
+    /// Illuminance by material, object and receiver, lx, where it was asked for or there are receivers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub photometry: Vec<Illuminance>,
     /// How far radiance falls below zero within patches; not at all for constant elements.
     pub undershoot: Undershoot,
     /// Error bars; not estimated yet.
@@ -76,7 +79,7 @@ pub struct PlanEntry {
 /// A stage of the run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Stage {
-    /// load, build, patch, trace, balance, errors, factor, solve, series, render or write.
+    /// load, build, patch, trace, balance, light, errors, factor, solve, series, receive, render or write.
     pub name: &'static str,
     /// Wall-clock time.
     pub seconds: f64,
@@ -141,7 +144,7 @@ impl From<Effect> for PlanEntry {
 /// [`Energy`] with three numbers a term, whatever the number of channels.
 #[derive(Clone, Debug, Serialize)]
 pub struct EnergySummary {
-    /// What lamps emit.
+    /// What lamps emit and lights without area deliver.
     pub emitted: [f64; 3],
     /// What diffuse surfaces absorb.
     pub absorbed: [f64; 3],

@@ -3,6 +3,8 @@
 //! `compress` leaves colours below [`KNEE`] as they are and bends brighter ones towards white, keeping their hue, by
 //! the curve of the Khronos PBR neutral tone mapper (2024); `encode` is the sRGB transfer function (IEC 61966-2-1).
 
+use crate::scene;
+
 /// Where compression begins, as a share of display white.
 const KNEE: f64 = 0.8;
 
@@ -94,7 +96,7 @@ pub fn to_rgb(channels: &[f64]) -> [f64; 3] {
 
 /// Relative luminance of linear sRGB.
 pub(super) fn luminance([r, g, b]: [f64; 3]) -> f64 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
+    scene::luminance(&[r, g, b])
 }
 
 #[cfg(test)]

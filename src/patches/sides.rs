@@ -1,6 +1,6 @@
 //! Sides: which slots light can reach, and so become patches.
 //!
-//! Reached is a flag per slot. Lamps are reached; from every reached slot that reflects or emits, light goes on to what its rays meet
+//! Reached is a flag per slot. Lamps are reached, and what lights without area and the sky shine on; from every reached slot that reflects or emits, light goes on to what its rays meet
 //! and to what sees it, until nothing new turns up. What no light reaches costs nothing and stays exactly zero.
 
 use rayon::prelude::*;
@@ -8,12 +8,12 @@ use rayon::prelude::*;
 use super::{Patches, Slot, Tessellation};
 use crate::progress::Cancelled;
 use crate::scene::Side;
-use crate::trace::{Destination, Lamps, Ray, Tracer, geometry_term, sampling::Sequence};
+use crate::trace::{Destination, Lamps, Lights, Ray, Tracer, geometry_term, sampling::Sequence};
 
 /// Which sides become patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
-    /// Those that light from the scene's lamps reaches.
+    /// Those that light from the scene's lamps, its lights without area and its sky reaches.
     Light,
     /// Whole sides of faces that see anything or are seen, lit or not, black or not: for form factors.
     Everything,
@@ -31,6 +31,7 @@ const LAMP_LOOKS: u32 = 32;
 /// The streams of random sequences for looking around and at lamps; apart from all others.
 const STREAM: u64 = 1 << 40;
 const LAMP_STREAM: u64 = 1 << 43;
+const LIGHT_STREAM: u64 = 1 << 46;
 
 impl Patches<'_> {
     /// Finds the reached slots and makes them patches.
@@ -88,7 +89,9 @@ impl Patches<'_> {
         let lamps = Lamps::new(tracer);
         let mut seen_by: Vec<Option<Vec<u32>>> = vec![None; slots];
         let mut reached = vec![false; slots];
-        let mut wave: Vec<u32> = (0..slots as u32).filter(|&s| self.emits(s)).collect();
+        let shone_on = self.shone_on(tracer, options.seed);
+        let starts = |&s: &u32| self.emits(s) || shone_on.get(s as usize).is_some_and(|&lit| lit);
+        let mut wave: Vec<u32> = (0..slots as u32).filter(starts).collect();
         wave.iter().for_each(|&s| reached[s as usize] = true);
         loop {
             // Let the newest slots send light on.
@@ -169,6 +172,27 @@ impl Patches<'_> {
             })
         };
         slots.par_iter().map(look_from).collect()
+    }
+
+    /// For each slot whether it sees a light without area or the sky; empty where there are none.
+    fn shone_on(&self, tracer: &Tracer, seed: u64) -> Vec<bool> {
+        let Some(lights) = Lights::new(tracer) else { return Vec::new() };
+        let channels = self.scene.channels();
+        let is_lit = |slot: u32| {
+            let facet = self.facet(tracer, slot);
+            if tracer.is_carrier(facet.face) {
+                return false;
+            }
+            let sequence = Sequence::new(seed, LIGHT_STREAM + u64::from(slot), 0);
+            (0..LAMP_LOOKS).any(|k| {
+                let [s, t, u, v] = sequence.point(k);
+                let mut arrived = vec![0.0; channels];
+                let from = (facet.point([s, t]), facet.face);
+                lights.add_irradiance(tracer, from, facet.normal, || [u, v], &mut arrived);
+                arrived.iter().any(|&x| x > 0.0)
+            })
+        };
+        (0..self.slots() as u32).into_par_iter().map(is_lit).collect()
     }
 
     fn emits(&self, slot: u32) -> bool {

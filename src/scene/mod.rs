@@ -7,11 +7,16 @@
 mod builtin;
 mod camera;
 mod glass;
+mod light;
+mod light_settings;
 mod lines;
 mod material;
 mod mtl;
 mod obj;
+mod photometry;
+mod receiver;
 mod settings;
+mod sky;
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -20,7 +25,11 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 pub use camera::Camera;
+pub use light::Light;
 pub use material::{Material, Surface};
+pub use photometry::{EFFICACY, luminance};
+pub use receiver::Receiver;
+pub use sky::{Sky, SkyKind, SkyShares};
 
 /// One of the two sides of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -70,7 +79,7 @@ pub struct Face {
     pub state: FaceState,
 }
 
-/// A validated world: triangles, materials, camera.
+/// A validated world: triangles, materials, lights, camera.
 #[derive(Clone, Debug)]
 pub struct Scene {
     name: String,
@@ -80,6 +89,10 @@ pub struct Scene {
     materials: Vec<Material>,
     objects: Vec<String>,
     camera: Option<Camera>,
+    lights: Vec<Light>,
+    sky: Option<Sky>,
+    receivers: Vec<Receiver>,
+    efficacy: f64,
     channels: usize,
     warnings: Vec<String>,
 }
@@ -101,6 +114,14 @@ pub struct SceneParts {
     pub objects: Vec<String>,
     /// The camera the scene asks for.
     pub camera: Option<Camera>,
+    /// Lights without area, with as many channels as the materials.
+    pub lights: Vec<Light>,
+    /// The sky around it, with as many channels as the materials.
+    pub sky: Option<Sky>,
+    /// Where to measure light beside the faces.
+    pub receivers: Vec<Receiver>,
+    /// Lumens per watt; 683 if not given.
+    pub efficacy: Option<f64>,
     /// What the reader noticed and the user should know.
     pub warnings: Vec<String>,
 }
@@ -172,6 +193,22 @@ pub enum SceneError {
         /// What is wrong and what to do.
         message: String,
     },
+    /// A light or the sky makes no sense.
+    #[error("{light}: {message}")]
+    Light {
+        /// Which.
+        light: String,
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// A receiver makes no sense.
+    #[error("receiver {receiver}: {message}")]
+    Receiver {
+        /// Its name.
+        receiver: String,
+        /// What is wrong and what to do.
+        message: String,
+    },
     /// The camera can't make a picture.
     #[error(
         "camera: position and target must differ, up must not be zero, and fov must lie between 0 and 180 degrees"
@@ -179,7 +216,7 @@ pub enum SceneError {
     Camera,
     /// Nothing emits, so there is nothing to solve.
     #[error(
-        "{name}: no light at all; give a material an emission (Ke in the MTL file, or `emission` in the scene's .toml)"
+        "{name}: no light at all; give a material an emission (Ke in the MTL file, or `emission` in the scene's .toml), or add a [[light]] or a [sky] there"
     )]
     NoLight {
         /// The scene.
@@ -204,21 +241,32 @@ impl Scene {
     /// Checks the parts and makes a scene of them.
     ///
     /// Zero-area and duplicate faces are marked as dropped and counted in a warning; where all
-    /// channels of all materials agree the scene keeps one channel.
+    /// channels of all materials and lights agree the scene keeps one channel.
     ///
     /// # Errors
-    /// `NoFaces`, `NoArea`, `Face`, `Material` or `Camera`.
+    /// `NoFaces`, `NoArea`, `Face`, `Material`, `Light`, `Receiver` or `Camera`.
     pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
-        let SceneParts { name, vertices, normals, mut faces, mut materials, objects, camera, mut warnings } =
-            parts;
+        let SceneParts { name, vertices, normals, mut faces, mut materials, objects, .. } = parts;
+        let SceneParts { camera, mut lights, mut sky, receivers, efficacy, mut warnings, .. } = parts;
+        let efficacy = efficacy.unwrap_or(EFFICACY);
         if faces.is_empty() {
             return Err(SceneError::NoFaces { name });
         }
         check_faces(&faces, &vertices, &normals, materials.len(), objects.len())?;
         let mut channels = check_materials(&materials)?;
-        if materials.iter().all(Material::is_grey) {
+        check_lights(&lights, sky.as_ref(), channels)?;
+        for receiver in &receivers {
+            let error = |message| SceneError::Receiver { receiver: receiver.name.clone(), message };
+            receiver.check().map_err(error)?;
+        }
+        let powers = || lights.iter().map(Light::power).chain(sky.as_ref().map(|sky| sky.zenith.as_slice()));
+        if materials.iter().all(Material::is_grey)
+            && powers().all(|power| power.iter().all(|x| *x == power[0]))
+        {
             channels = 1;
             materials.iter_mut().for_each(Material::keep_one_channel);
+            lights.iter_mut().for_each(|light| light.power_mut().truncate(1));
+            sky.iter_mut().for_each(|sky| sky.zenith.truncate(1));
         }
         if camera.is_some_and(|camera| !camera.is_valid()) {
             return Err(SceneError::Camera);
@@ -228,7 +276,22 @@ impl Scene {
             return Err(SceneError::NoArea { name });
         }
         glass::warn_of_missing_insides(&faces, &vertices, &materials, &mut warnings);
-        Ok(Self { name, vertices, normals, faces, materials, objects, camera, channels, warnings })
+        warn_of_shadows(&lights, sky.as_ref(), &materials, &mut warnings);
+        Ok(Self {
+            name,
+            vertices,
+            normals,
+            faces,
+            materials,
+            objects,
+            camera,
+            lights,
+            sky,
+            receivers,
+            efficacy,
+            channels,
+            warnings,
+        })
     }
 
     /// Name, from the file's.
@@ -264,6 +327,26 @@ impl Scene {
     /// The camera the scene asks for.
     pub fn camera(&self) -> Option<&Camera> {
         self.camera.as_ref()
+    }
+
+    /// Lights without area that shine.
+    pub fn lights(&self) -> impl Iterator<Item = &Light> {
+        self.lights.iter().filter(|light| light.shines())
+    }
+
+    /// The sky, if one shines.
+    pub fn sky(&self) -> Option<&Sky> {
+        self.sky.as_ref().filter(|sky| sky.shines())
+    }
+
+    /// Where light is measured beside the faces.
+    pub fn receivers(&self) -> &[Receiver] {
+        &self.receivers
+    }
+
+    /// Lumens per watt, lm·W⁻¹.
+    pub fn efficacy(&self) -> f64 {
+        self.efficacy
     }
 
     /// How many channels reflectance and radiance have: 1 where all agree, else those of the materials.
@@ -303,6 +386,7 @@ impl Scene {
     pub fn require_light(&self) -> Result<(), SceneError> {
         let kept = |face: &&Face| face.state == FaceState::Kept;
         let lit = self.faces.iter().filter(kept).any(|f| self.materials[f.material as usize].emits());
+        let lit = lit || self.lights().next().is_some() || self.sky().is_some();
         if lit { Ok(()) } else { Err(SceneError::NoLight { name: self.name.clone() }) }
     }
 }
@@ -344,6 +428,27 @@ fn check_materials(materials: &[Material]) -> Result<usize, SceneError> {
         material.check().map_err(error)?;
     }
     Ok(channels)
+}
+
+fn check_lights(lights: &[Light], sky: Option<&Sky>, channels: usize) -> Result<(), SceneError> {
+    for (number, light) in lights.iter().enumerate() {
+        let error = |message| SceneError::Light { light: format!("light {}", number + 1), message };
+        light.check(channels).map_err(error)?;
+    }
+    let error = |message| SceneError::Light { light: "sky".into(), message };
+    sky.map_or(Ok(()), |sky| sky.check(channels).map_err(error))
+}
+
+/// Says so where mirrors and glass stand in the way of lights that they should pass on.
+fn warn_of_shadows(lights: &[Light], sky: Option<&Sky>, materials: &[Material], warnings: &mut Vec<String>) {
+    let mut carriers = materials.iter().filter(|material| material.surface.is_carrier()).peekable();
+    if carriers.peek().is_some() && (sky.is_some() || !lights.is_empty()) {
+        let names: Vec<&str> = carriers.map(|material| material.name.as_str()).collect();
+        warnings.push(format!(
+            "lights without area and the sky do not shine through or off these yet, which cast shadows: {}",
+            names.join(", ")
+        ));
+    }
 }
 
 /// Marks zero-area faces and exact duplicates, and says how many there were.

@@ -7,7 +7,9 @@ use glam::DVec3;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Camera, SceneError, SceneParts, Surface};
+use super::light_settings::{LightSettings, SkySettings};
+use super::photometry::EFFICACY;
+use super::{Camera, Receiver, SceneError, SceneParts, Surface};
 
 /// The content of a scene's `.toml`.
 #[derive(Debug, Deserialize)]
@@ -19,6 +21,15 @@ struct Settings {
     /// What to change of the MTL file's materials, by name.
     #[serde(default)]
     material: BTreeMap<String, Spanned<MaterialSettings>>,
+    /// Lights without area.
+    #[serde(default)]
+    light: Vec<Spanned<LightSettings>>,
+    sky: Option<Spanned<SkySettings>>,
+    /// Where to measure light beside the faces.
+    #[serde(default)]
+    receiver: Vec<Spanned<ReceiverSettings>>,
+    /// Lumens per watt; 683 if not given.
+    efficacy: Option<Spanned<f64>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -34,6 +45,15 @@ struct CameraSettings {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+struct ReceiverSettings {
+    name: String,
+    corner: [f64; 3],
+    edges: [[f64; 3]; 2],
+    points: [usize; 2],
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct MaterialSettings {
     reflectance: Option<Colour>,
     emission: Option<Colour>,
@@ -42,13 +62,13 @@ struct MaterialSettings {
 /// One number for every channel, or one each.
 #[derive(Debug, Deserialize)]
 #[serde(untagged, expecting = "a colour is one number, or three in brackets")]
-enum Colour {
+pub(super) enum Colour {
     Grey(f64),
     Rgb([f64; 3]),
 }
 
 impl Colour {
-    fn channels(&self) -> Vec<f64> {
+    pub fn channels(&self) -> Vec<f64> {
         match self {
             Colour::Grey(value) => vec![*value; 3],
             Colour::Rgb(values) => values.to_vec(),
@@ -56,7 +76,7 @@ impl Colour {
     }
 }
 
-fn y_up() -> [f64; 3] {
+pub(super) fn y_up() -> [f64; 3] {
     [0.0, 1.0, 0.0]
 }
 
@@ -105,6 +125,28 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
             material.emission = emission.channels();
         }
         material.check().map_err(wrong)?;
+    }
+    let efficacy = settings.efficacy.as_ref().map_or(EFFICACY, |efficacy| *efficacy.get_ref());
+    if let Some(given) = settings.efficacy.filter(|_| !(efficacy.is_finite() && efficacy > 0.0)) {
+        let message = format!("efficacy = {efficacy}: lumens per watt must be positive");
+        return Err(error(given.span().start, message));
+    }
+    parts.efficacy = Some(efficacy);
+    for given in &settings.light {
+        let light = given.get_ref().light(unit, efficacy);
+        parts.lights.push(light.map_err(|message| error(given.span().start, format!("light: {message}")))?);
+    }
+    for given in &settings.receiver {
+        let ReceiverSettings { name, corner, edges, points } = given.get_ref();
+        let [corner, a, b] = [*corner, edges[0], edges[1]].map(|v| DVec3::from(v) * unit);
+        let receiver = Receiver { name: name.clone(), corner, edges: [a, b], counts: *points };
+        let wrong = |message| error(given.span().start, format!("receiver {name}: {message}"));
+        receiver.check().map_err(wrong)?;
+        parts.receivers.push(receiver);
+    }
+    if let Some(given) = &settings.sky {
+        let sky = given.get_ref().sky(efficacy);
+        parts.sky = Some(sky.map_err(|message| error(given.span().start, format!("sky: {message}")))?);
     }
     Ok(())
 }

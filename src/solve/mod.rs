@@ -23,7 +23,7 @@ pub use neumann::{Bounce, NeumannOptions, Series, bounces, neumann};
 
 use crate::patches::Basis;
 use crate::progress::{Cancelled, Progress};
-use crate::transport::{Transport, readable};
+use crate::transport::{Sources, Transport, readable};
 
 /// Radiance and irradiance of every patch, and how good they are.
 ///
@@ -32,13 +32,25 @@ use crate::transport::{Transport, readable};
 pub struct Solution {
     /// Radiance L, N × c, W·sr⁻¹·m⁻². Row by row Lₑ + ρH/π.
     pub radiance: DMatrix<f64>,
-    /// Irradiance H, N × c, W·m⁻².
+    /// Irradiance H, N × c, W·m⁻²; less that by lights without area where [`Solution::under`] has not added it.
     pub irradiance: DMatrix<f64>,
     /// How it was found.
     pub report: Report,
 }
 
 impl Solution {
+    /// The solution under the lights of `sources` whose right-hand side was solved for: solvers find πFL, and lights without area
+    /// add H₀ to it.
+    ///
+    /// # Panics
+    /// If the sources are not of as many coefficients and channels.
+    pub fn under(mut self, sources: &Sources) -> Self {
+        if let Some(direct) = &sources.direct {
+            self.irradiance += direct;
+        }
+        self
+    }
+
     /// The means over patches, n × c, of a solution by coefficients of this basis.
     pub fn means(self, basis: Basis) -> Self {
         match basis {

@@ -9,8 +9,10 @@
 
 mod bvh;
 mod lamps;
+mod lights;
 pub mod sampling;
 mod scatter;
+mod sky;
 mod triangle;
 
 use glam::DVec3;
@@ -18,7 +20,9 @@ use glam::DVec3;
 use crate::scene::{FaceState, Scene, Side};
 use bvh::Bvh;
 pub use lamps::{LampPoint, LampView, Lamps, form_factor_to_triangle, geometry_term};
+pub use lights::{Beam, Lights, solid_angle};
 pub use scatter::{Destination, Scattered, fresnel};
+pub use sky::SkySampler;
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.
 ///
@@ -159,5 +163,10 @@ impl<'s> Tracer<'s> {
         let distance = p.distance(q);
         let ray = Ray { origin: p, direction: (q - p) / distance, from };
         !self.bvh.any_hit(&ray, to, distance - SKIN)
+    }
+
+    /// Whether a ray meets nothing nearer than `distance` (normalised, or infinite).
+    pub fn is_clear(&self, ray: &Ray, distance: f64) -> bool {
+        !self.bvh.any_hit(ray, Ray::FREE, distance - SKIN)
     }
 }

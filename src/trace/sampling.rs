@@ -65,19 +65,33 @@ pub fn uniform_triangle([u, v]: [f64; 2]) -> [f64; 2] {
     if u < v { [0.5 * u, v - 0.5 * u] } else { [u - 0.5 * v, 0.5 * v] }
 }
 
-/// A direction over the plane z = 0 with density [`cosine_hemisphere_pdf`] (Shirley & Chiu 1997).
+/// A point of the unit disc, uniform (Shirley & Chiu 1997).
 #[inline]
-pub fn cosine_hemisphere([u, v]: [f64; 2]) -> DVec3 {
+pub fn uniform_disc(square: [f64; 2]) -> [f64; 2] {
+    let (radius, angle) = concentric(square);
+    let (sine, cosine) = angle.sin_cos();
+    [radius * cosine, radius * sine]
+}
+
+/// A direction over the plane z = 0 with density [`cosine_hemisphere_pdf`].
+#[inline]
+pub fn cosine_hemisphere(square: [f64; 2]) -> DVec3 {
+    let (radius, angle) = concentric(square);
+    let (sine, cosine) = angle.sin_cos();
+    DVec3::new(radius * cosine, radius * sine, (1.0 - radius * radius).max(0.0).sqrt())
+}
+
+/// The square mapped onto the disc, circle by circle: radius, perhaps negative, and angle (Shirley & Chiu 1997).
+#[inline]
+fn concentric([u, v]: [f64; 2]) -> (f64, f64) {
     let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-    let (radius, angle) = if x == 0.0 && y == 0.0 {
+    if x == 0.0 && y == 0.0 {
         (0.0, 0.0)
     } else if x.abs() > y.abs() {
         (x, PI / 4.0 * (y / x))
     } else {
         (y, PI / 2.0 - PI / 4.0 * (x / y))
-    };
-    let (sine, cosine) = angle.sin_cos();
-    DVec3::new(radius * cosine, radius * sine, (1.0 - radius * radius).max(0.0).sqrt())
+    }
 }
 
 /// Density of [`cosine_hemisphere`] per unit solid angle: cos θ / π.

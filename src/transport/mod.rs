@@ -19,11 +19,13 @@ mod moments;
 mod operator;
 mod plan;
 mod rays;
+mod receivers;
 mod recipe;
 mod saved;
 mod sections;
 mod shrinkage;
 mod solvable;
+mod sources;
 mod storage;
 
 pub use balance::Closure;
@@ -35,8 +37,10 @@ pub(crate) use lanczos::{ends_of_spectrum, uneven};
 pub use mass::Mass;
 pub use operator::Transport;
 pub use plan::{Effect, Plan};
+pub use receivers::ReceiverRows;
 pub use saved::Reuse;
 pub use sections::FactorsFileError;
+pub use sources::{LightOptions, Sources};
 pub use storage::{Storage, StorageKind};
 
 use crate::patches::PatchError;

@@ -15,6 +15,28 @@ pub struct Effect {
     pub reason: String,
 }
 
+/// Lights that have a place or a direction.
+fn lights(scene: &Scene) -> Effect {
+    let number = scene.lights().count();
+    let reason = match number {
+        0 => "no light without area".into(),
+        1 => "the scene has a light without area".into(),
+        _ => format!("the scene has {number} lights without area"),
+    };
+    Effect { effect: "lights", on: number > 0, reason }
+}
+
+fn sky(scene: &Scene) -> Effect {
+    let reason = if scene.sky().is_some() { "the scene has a sky" } else { "no sky" };
+    Effect { effect: "sky", on: scene.sky().is_some(), reason: reason.into() }
+}
+
+fn receivers(scene: &Scene) -> Effect {
+    let names: Vec<&str> = scene.receivers().iter().map(|receiver| receiver.name.as_str()).collect();
+    let reason = if names.is_empty() { "no receiver".into() } else { names.join(", ") };
+    Effect { effect: "receivers", on: !names.is_empty(), reason }
+}
+
 /// What a run simulates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
@@ -89,6 +111,9 @@ impl Plan {
                         "all channels agree: one is solved"
                     },
                 ),
+                lights(scene),
+                sky(scene),
+                receivers(scene),
                 carrier("mirror", "mirror", |surface| matches!(surface, Surface::Mirror { .. })),
                 carrier("dielectric", "glass or water", |surface| {
                     matches!(surface, Surface::Dielectric { .. })

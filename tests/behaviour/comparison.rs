@@ -116,7 +116,8 @@ fn orders_come_within_their_bounds_of_the_direct_solution() {
         let direct = solve::direct(&k, &Default::default()).unwrap().solve(&e).irradiance;
         let amplification = Amplification::new(&k, &CgOptions::default()).unwrap();
         let options = OrderOptions { tolerance: 1e-8, ..Default::default() };
-        let rows = OrderRow::all(&k, &e, &direct, &case.reference, &amplification, &options).unwrap();
+        let rows =
+            OrderRow::all(&k, &e.clone().into(), &direct, &case.reference, &amplification, &options).unwrap();
         assert!((rows[0].vs_direct - 1.0).abs() < 1e-12, "order 0 has no irradiance");
         assert!((rows[0].vs_reference.bias + 1.0).abs() < 1e-12);
         for row in &rows {

@@ -10,9 +10,11 @@ mod hard_cases; // near-singular, tiny, huge, degenerate: every solver, both sto
 mod health; // what check finds, on sound scenes and on broken ones
 mod lamp_columns; // direct light without bias
 mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, an independent reference
+mod lights; // lights without area and skies: closed forms, energy, the path tracer, settings
 mod linear_elements; // the same rays, less mesh error, and what keeps them stable
 mod path_tracer; // closed forms and another renderer, judged by standard errors
 mod pictures; // what cameras see: ways of shading agree, nothing lit is black
+mod receivers; // light at points that are no patches, and what is reported in lux
 mod saved_factors; // what may change around saved form factors, and what may not
 mod structure; // modules import only from their left
 

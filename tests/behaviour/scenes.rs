@@ -1,12 +1,22 @@
 //! Small scenes, made on the spot.
 
 use glam::DVec3;
-use radiosity::scene::{Face, FaceState, Material, Scene, SceneParts};
+use radiosity::scene::{Face, FaceState, Light, Material, Scene, SceneParts, Sky};
 
 /// Quadrilaterals by their corners, counter-clockwise seen from the front, each an object of its own with the material of the
 /// given index.
 pub fn quads(quads: &[([[f64; 3]; 4], u32)], materials: Vec<Material>) -> Scene {
-    let mut parts = SceneParts { name: "quads".into(), materials, ..Default::default() };
+    lit_quads(quads, materials, Vec::new(), None)
+}
+
+/// The same with lights without area and a sky.
+pub fn lit_quads(
+    quads: &[([[f64; 3]; 4], u32)],
+    materials: Vec<Material>,
+    lights: Vec<Light>,
+    sky: Option<Sky>,
+) -> Scene {
+    let mut parts = SceneParts { name: "quads".into(), materials, lights, sky, ..Default::default() };
     for (object, (corners, material)) in quads.iter().enumerate() {
         let first = parts.vertices.len() as u32;
         parts.vertices.extend(corners.map(DVec3::from));

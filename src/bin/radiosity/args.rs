@@ -9,14 +9,14 @@ use radiosity::progress::Progress;
 use radiosity::scene::{Camera, Scene, SceneError};
 use radiosity::solve::{Method, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{StorageKind, TraceOptions};
+use radiosity::transport::{LightOptions, StorageKind, TraceOptions};
 
 use crate::terminal::{Failure, Terminal};
 
 /// What to read and where to write.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// OBJ file; a .toml beside it may set camera, unit and materials [default: the built-in Cornell box]
+    /// OBJ file; a .toml beside it may set camera, unit, materials, lights and sky [default: the built-in Cornell box]
     pub scene: Option<PathBuf>,
 
     /// Folder for the results [default: out/<scene>]
@@ -107,6 +107,11 @@ impl AccuracyArgs {
             None => PatchSize::Count(self.patches),
         };
         Tessellation { size, reach: Reach::Light, seed: run.seed, memory: run.memory, progress }
+    }
+
+    pub fn light<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> LightOptions<'a> {
+        let rays = self.rays.unwrap_or(LightOptions::default().rays);
+        LightOptions { rays, seed: run.seed, progress }
     }
 
     pub fn trace<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> TraceOptions<'a> {

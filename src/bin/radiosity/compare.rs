@@ -12,7 +12,7 @@ use radiosity::output::{
 use radiosity::scene::Scene;
 use radiosity::solve::{self, Amplification, Certainty, Report, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::Transport;
+use radiosity::transport::{Sources, Transport};
 
 use crate::args::{self, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -99,7 +99,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
-    let sources = basis.coefficients_of(&patches.sources());
+    let sources = Sources::trace(&tracer, &patches, basis, &args.factors.light(&args.run, progress))?;
+    let e = sources.right_hand_side(&k);
     let before_solving = began.elapsed().as_secs_f64();
     progress.at("solve", 0.0)?;
     let amplification = Amplification::new(&k, &Default::default())?;
@@ -107,7 +108,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     // The solution that orders are held against must be much better than the best of them.
     let tolerance = (SOLVED_BETTER * options.tolerance).max(1e-13);
     let options = SolveOptions { amplification: Some(&amplification), tolerance, ..options };
-    let direct = solve::solve(&k, &sources, &options)?;
+    let direct = solve::solve(&k, &e, &options)?.under(&sources);
     let direct_seconds = began.elapsed().as_secs_f64();
 
     let budget = args.reference.budget();
@@ -129,7 +130,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     };
     let [matrix, traced] = [picture(Shading::Smooth)?, picture(Shading::Path)?];
     args::warn_if_black(&matrix, terminal);
-    let terms = solve::bounces(&k, &sources, LAST_PICTURE.min(orders.len().max(2) - 1));
+    let terms = solve::bounces(&k, &e, LAST_PICTURE.min(orders.len().max(2) - 1));
     let bounces = BouncePictures::render(&tracer, &patches, &terms, &camera, &look)?;
 
     progress.at("write", 0.0)?;

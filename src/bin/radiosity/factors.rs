@@ -6,7 +6,7 @@ use radiosity::output;
 use radiosity::patches::{Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, Keep, TraceOptions};
+use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions};
 
 use crate::args::{AccuracyArgs, BasisArg, RunArgs};
 use crate::terminal::{Failure, Terminal};
@@ -41,6 +41,11 @@ impl FactorsArgs {
     pub fn options<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> (Tessellation<'a>, TraceOptions<'a>) {
         let trace = TraceOptions { basis: self.basis.basis(), ..self.accuracy.trace(run, progress) };
         (self.accuracy.tessellation(run, progress), trace)
+    }
+
+    /// How to look for lights without area.
+    pub fn light<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> LightOptions<'a> {
+        self.accuracy.light(run, progress)
     }
 
     /// Cuts the scene and finds the form factors between its patches.

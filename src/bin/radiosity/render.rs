@@ -3,7 +3,7 @@
 use radiosity::output;
 use radiosity::solve;
 use radiosity::trace::Tracer;
-use radiosity::transport::Transport;
+use radiosity::transport::{Sources, Transport};
 
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -34,8 +34,10 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let tracer = Tracer::new(&scene);
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
-    let sources = factors.basis().coefficients_of(&patches.sources());
-    let solution = solve::solve(&k, &sources, &args.solver.options(&args.run, progress))?;
+    let basis = factors.basis();
+    let sources = Sources::trace(&tracer, &patches, basis, &args.factors.light(&args.run, progress))?;
+    let e = sources.right_hand_side(&k);
+    let solution = solve::solve(&k, &e, &args.solver.options(&args.run, progress))?;
     let camera = args::camera(&tracer, &patches);
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
     args::warn_if_black(&picture, terminal);

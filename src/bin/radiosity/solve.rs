@@ -1,11 +1,13 @@
 //! `radiosity solve`: the main job.
 
 use radiosity::measure::{Energy, Undershoot};
-use radiosity::output::{self, EnergySummary, PlanEntry, SeriesSummary, Summary};
+use radiosity::output::{
+    self, EnergySummary, Illuminance, PlanEntry, RenderOptions, SeriesSummary, Shading, Summary,
+};
 use radiosity::patches::Basis;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Exchange, Plan, Transport};
+use radiosity::transport::{Exchange, Plan, ReceiverRows, Sources, Transport};
 
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -19,7 +21,12 @@ pub struct Args {
     factors: FactorsArgs,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Also solve for the lamps of each material by themselves, and write lamp_groups.csv
+    /// Also report in lux: photometry.csv with mean, lowest and highest illuminance and uniformity by material, object and receiver,
+    /// and illuminance.png in false colours
+    #[arg(long, help_heading = "Photometry")]
+    photometric: bool,
+
+    /// Also solve for the lamps of each material, and for all lights without area, by themselves, and write lamp_groups.csv
     #[arg(long, help_heading = "Solver")]
     lamp_groups: bool,
 
@@ -28,6 +35,9 @@ pub struct Args {
     #[command(flatten)]
     pub run: RunArgs,
 }
+
+/// What the group of all lights without area and the sky is called.
+const LIGHTS: &str = "lights without area";
 
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
@@ -43,42 +53,81 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
-    let sources = basis.coefficients_of(&patches.sources());
+    let sources = Sources::trace(&tracer, &patches, basis, &args.factors.light(&args.run, progress))?;
+    let e = sources.right_hand_side(&k);
     // All lamps together, then each group of lamps by itself: one factorization serves them all.
     let groups = if args.lamp_groups { patches.sources_by_material() } else { Vec::new() };
-    let by_group: Vec<_> = groups.iter().map(|g| basis.coefficients_of(&g.sources)).collect();
-    let right_hand_sides: Vec<_> = std::iter::once(&sources).chain(&by_group).collect();
+    let mut of_groups: Vec<Sources> =
+        groups.iter().map(|g| basis.coefficients_of(&g.sources).into()).collect();
+    let mut names: Vec<&str> = groups.iter().map(|g| g.material.as_str()).collect();
+    if args.lamp_groups && sources.direct.is_some() {
+        of_groups.push(Sources { emitted: 0.0 * &sources.emitted, direct: sources.direct.clone() });
+        names.push(LIGHTS);
+    }
+    let by_group: Vec<_> = of_groups.iter().map(|group| group.right_hand_side(&k)).collect();
+    let right_hand_sides: Vec<_> = std::iter::once(&e).chain(&by_group).collect();
     progress.at("solve", 0.0)?;
     let amplification = Some(&Amplification::new(&k, &Default::default())?);
     let options = SolveOptions { amplification, ..args.solver.options(&args.run, progress) };
     let mut solutions = solve::solve_all(&k, &right_hand_sides, &options)?;
-    let by_group: Vec<_> = solutions.split_off(1).into_iter().map(|solution| solution.means(basis)).collect();
+    let by_group: Vec<_> = solutions.split_off(1).into_iter().zip(&of_groups).collect();
+    let by_group: Vec<_> = by_group.into_iter().map(|(one, group)| one.under(group).means(basis)).collect();
     let solution = &solutions[0];
     progress.at("series", 0.0)?;
     let (order, tolerance) = (args.solver.order, args.solver.tolerance);
-    let series = solve::neumann(&k, &sources, &NeumannOptions { order, tolerance, amplification, progress })?;
+    let series = solve::neumann(&k, &e, &NeumannOptions { order, tolerance, amplification, progress })?;
+
+    let light = args.factors.light(&args.run, progress);
+    let mut received = Vec::new();
+    for receiver in scene.receivers() {
+        let rows = ReceiverRows::trace(&tracer, &patches, basis, receiver, &light)?;
+        received.push((receiver, rows.irradiance(&solution.radiance)));
+    }
 
     let camera = args::camera(&tracer, &patches);
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
     args::warn_if_black(&picture, terminal);
+    let whole = solution.clone().under(&sources);
+    // Illuminance is shown from patches and corners, however light is.
+    let shading = if look.shading == Shading::Flat { Shading::Flat } else { Shading::Smooth };
+    let look = RenderOptions { shading, ..look };
+    let false_colours = args.photometric.then(|| {
+        let lux = output::illuminance(&whole.irradiance, scene.efficacy());
+        output::render(&tracer, &patches, &lux, &camera, &look)
+    });
+    let false_colours = false_colours.transpose()?;
     progress.at("write", 0.0)?;
     let exposure = args.picture.exposure(&picture);
     let mut outputs = args.scene.outputs(&scene)?;
     // Tables have the means over patches.
-    let means = solution.clone().means(basis);
+    let means = whole.means(basis);
     let (irradiance, radiance) = (&means.irradiance, &means.radiance);
     outputs.file("faces.csv", |file| output::write_faces(file, &patches, irradiance, radiance))?;
     outputs.file("patches.csv", |file| output::write_patches(file, &patches, irradiance, radiance))?;
     outputs
         .file("mesh.ply", |file| output::write_ply(file, &tracer, &patches, &solution.radiance, exposure))?;
+    let received: Vec<_> = received.iter().map(|(receiver, h)| (*receiver, h)).collect();
+    let efficacy = scene.efficacy();
+    if !received.is_empty() {
+        outputs.file("receivers.csv", |file| output::write_receivers(file, &received, efficacy))?;
+    }
+    let mut photometry: Vec<_> =
+        received.iter().map(|(receiver, h)| Illuminance::of_receiver(receiver, h, efficacy)).collect();
+    if args.photometric {
+        photometry.splice(0..0, Illuminance::of_surfaces(&patches, irradiance, efficacy));
+        outputs.file("photometry.csv", |file| output::write_photometry(file, &photometry))?;
+    }
+    if let Some(picture) = &false_colours {
+        outputs.file("illuminance.png", |file| output::write_illuminance(file, picture))?;
+    }
     if args.lamp_groups {
-        let lamps: Vec<_> = groups.iter().map(|g| g.material.as_str()).zip(&by_group).collect();
+        let lamps: Vec<_> = names.into_iter().zip(&by_group).collect();
         outputs.file("lamp_groups.csv", |file| output::write_lamp_groups(file, &patches, &lamps))?;
     }
     args.picture.write(&picture, &mut outputs)?;
 
     let area_unit = tracer.frame().scale().powi(2);
-    let energy = Energy::new(&k, &sources, &solution.radiance, area_unit);
+    let energy = Energy::of(&k, &sources, &solution.radiance, area_unit);
     let summary = Summary {
         scene: scene.name().to_owned(),
         version: env!("CARGO_PKG_VERSION"),
@@ -95,6 +144,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         solver: solution.report.clone(),
         energy: (&energy).into(),
         closure: *factors.exchange().closure(),
+        photometry,
         undershoot: Undershoot::of(k.mass(), &solution.radiance),
         error: None,
         warnings: scene.warnings().to_vec(),
@@ -154,6 +204,9 @@ fn report(summary: &Summary, faces: usize, exchange: &Exchange) -> String {
         );
         lines.insert(lines.len() - 2, line);
     }
+    if !summary.photometry.is_empty() {
+        lines.insert(lines.len() - 1, illuminances(&summary.photometry));
+    }
     if exchange.shrinkage() < 1.0 {
         let kept = exchange.shrinkage();
         lines.insert(
@@ -180,6 +233,20 @@ fn in_carriers(energy: &EnergySummary) -> String {
         power => format!(", {name} {} W", triple(power)),
     };
     part("in carriers", energy.carriers) + &part("lost", energy.lost)
+}
+
+/// A table of illuminances, lx.
+fn illuminances(rows: &[Illuminance]) -> String {
+    let mut text = format!(
+        "  {:<28} {:>10} {:>10} {:>10} {:>11}\n",
+        "illuminance, lx", "mean", "minimum", "maximum", "uniformity"
+    );
+    for row in rows {
+        let name = format!("{} {}", row.kind, row.name);
+        let [mean, minimum, maximum] = [row.mean, row.minimum, row.maximum].map(short);
+        text += &format!("  {name:<28} {mean:>10} {minimum:>10} {maximum:>10} {:>11.3}\n", row.uniformity);
+    }
+    text
 }
 
 /// Three numbers, or one where all are the same.

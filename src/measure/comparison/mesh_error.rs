@@ -10,7 +10,7 @@ use crate::patches::{PatchError, PatchSize, Patches, Tessellation};
 use crate::progress::Progress;
 use crate::solve::{CgOptions, conjugate_gradients};
 use crate::trace::Tracer;
-use crate::transport::{FormFactors, TraceOptions, Transport, TransportError};
+use crate::transport::{FormFactors, LightOptions, Sources, TraceOptions, Transport, TransportError};
 
 /// The scene solved on a coarser and a finer cut.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +34,7 @@ impl MeshError {
         tessellation: &Tessellation,
         trace: &TraceOptions,
     ) -> Result<Self, MeasureError> {
-        let own = irradiance(patches, factors)?;
+        let own = irradiance(tracer, patches, factors, trace.seed)?;
         let edge = typical_edge(patches);
         let on_cut = |scale: f64, rays: u32, stream: u64| -> Result<DMatrix<f64>, MeasureError> {
             let size = PatchSize::Edge(edge * scale);
@@ -46,7 +46,7 @@ impl MeshError {
             let basis = factors.basis();
             let options = TraceOptions { rays: Some(rays), seed, basis, progress: trace.progress, ..*trace };
             let factors = FormFactors::trace(tracer, &mut cut, &options)?;
-            Ok(patches.resample(&cut, &irradiance(&cut, &factors)?))
+            Ok(patches.resample(&cut, &irradiance(tracer, &cut, &factors, seed)?))
         };
         let rays = factors.rays().max(FEWEST_RAYS);
         let coarser = &own - on_cut(2.0, rays, 1 << 61)?;
@@ -68,10 +68,16 @@ impl MeshError {
 /// Fewer rays than these would be mostly noise.
 const FEWEST_RAYS: u32 = 64;
 
-fn irradiance(patches: &Patches, factors: &FormFactors) -> Result<DMatrix<f64>, MeasureError> {
+fn irradiance(
+    tracer: &Tracer,
+    patches: &Patches,
+    factors: &FormFactors,
+    seed: u64,
+) -> Result<DMatrix<f64>, MeasureError> {
     let k = Transport::of(factors, patches)?;
-    let e = k.basis().coefficients_of(&patches.sources());
-    Ok(conjugate_gradients(&k, &e, &CgOptions::default())?.means(k.basis()).irradiance)
+    let sources = Sources::trace(tracer, patches, k.basis(), &LightOptions { seed, ..Default::default() })?;
+    let solution = conjugate_gradients(&k, &sources.right_hand_side(&k), &CgOptions::default())?;
+    Ok(solution.under(&sources).means(k.basis()).irradiance)
 }
 
 /// The leg of a right-angled patch of middling area, metres.

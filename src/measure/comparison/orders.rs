@@ -18,7 +18,7 @@ use super::Difference;
 use crate::patches::Basis;
 use crate::progress::Progress;
 use crate::solve::Amplification;
-use crate::transport::Transport;
+use crate::transport::{Sources, Transport};
 
 /// How far to sum the series.
 #[derive(Clone, Copy, Debug)]
@@ -65,13 +65,13 @@ impl OrderRow {
     /// If the shapes differ.
     pub fn all(
         k: &Transport,
-        e: &DMatrix<f64>,
+        sources: &Sources,
         direct: &DMatrix<f64>,
         reference: &PathTraced,
         amplification: &Amplification,
         options: &OrderOptions,
     ) -> Result<Vec<Self>, MeasureError> {
-        let mut series = Irradiances::new(k, e, amplification);
+        let mut series = Irradiances::new(k, sources, amplification);
         let norm = root_mean_square(k, direct);
         let relative = |x: f64| if x == 0.0 { 0.0 } else { x / norm };
         let mut rows: Vec<Self> = Vec::new();
@@ -111,9 +111,10 @@ struct Irradiances<'k, 'f> {
 }
 
 impl<'k, 'f> Irradiances<'k, 'f> {
-    fn new(k: &'k Transport<'f>, e: &DMatrix<f64>, amplification: &'k Amplification) -> Self {
-        let sum = DMatrix::zeros(e.nrows(), e.ncols());
-        Self { k, amplification, term: e.clone(), sum, last: None, before: None }
+    fn new(k: &'k Transport<'f>, sources: &Sources, amplification: &'k Amplification) -> Self {
+        let term = sources.right_hand_side(k);
+        let sum = sources.direct.clone().unwrap_or_else(|| DMatrix::zeros(term.nrows(), term.ncols()));
+        Self { k, amplification, term, sum, last: None, before: None }
     }
 
     fn advance(&mut self) {

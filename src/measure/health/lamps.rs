@@ -48,8 +48,12 @@ pub(super) fn lamps(edges: &Edges, tracer: &Tracer, seed: u64) -> Finding {
     let unit = Some("faces that light nothing");
     let scene = edges.scene;
     let lamps = all(edges, tracer, seed);
+    if lamps.is_empty() && scene.require_light().is_ok() {
+        // What lights without area and the sky shine on is lit, however a mesh is wound.
+        return Finding::good(NAME, 0.0, unit);
+    }
     if lamps.is_empty() {
-        let remedy = "nothing emits: give a material an emission (Ke in the MTL file, or `emission` in the .toml) before solving";
+        let remedy = "nothing emits: give a material an emission (Ke in the MTL file, or `emission` in the .toml), or add a [[light]] or a [sky] there, before solving";
         return Finding::good(NAME, 0.0, Some("lamps")).but(Verdict::Note, [], remedy);
     }
     let alone = lamps.len() == 1 && lamps[0].faces.len() == shape::kept(scene).count();

@@ -3,6 +3,7 @@
 //! It shares nothing with the solvers but the scene, the tracer and the numbering of patches: no form factors, no patches that are
 //! bright or dark all over. It is unbiased, and says how far off it may be by standard errors.
 
+mod beams;
 mod estimate;
 mod lights;
 mod rounds;
@@ -40,7 +41,7 @@ pub struct PathOptions<'a> {
     pub budget: Budget,
     /// Bounces that are kept apart; memory grows in proportion, 32 bytes a patch, bounce and channel.
     pub bounces: usize,
-    /// The longest paths, in reflections after the first bounce of light; `None` for all there are. Anything else is biased: it leaves out
+    /// The longest paths, in reflections after the first bounce of light from lamps; `None` for all there are. Anything else is biased: it leaves out
     /// later bounces, to compare with other programs or truncated series.
     pub longest: Option<usize>,
     /// Number of the random sequences. With a budget of paths or of standard error the same seed gives the same bits.
@@ -232,12 +233,12 @@ impl<'t, 's> PathTracer<'t, 's> {
                     &mut numbers,
                     &mut weight,
                     longest,
-                    |k, part, weight, emission| {
+                    |bounce, part, weight, emission| {
                         for c in 0..channels {
                             let arrived = part * weight[c] * emission[c];
                             found[kept * channels + c] += arrived;
-                            if k < kept {
-                                found[k * channels + c] += arrived;
+                            if (1..=kept).contains(&bounce) {
+                                found[(bounce - 1) * channels + c] += arrived;
                             }
                         }
                     },

@@ -11,6 +11,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::beams::Beams;
 use super::lights::Lights;
 use crate::scene::Side;
 use crate::trace::sampling::{Sequence, cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
@@ -64,6 +65,7 @@ impl Numbers {
 pub(super) struct Walker<'t, 's> {
     pub tracer: &'t Tracer<'s>,
     pub lights: Lights,
+    beams: Option<Beams>,
     pub channels: usize,
     /// Per face and channel.
     reflectance: Vec<f64>,
@@ -77,6 +79,7 @@ impl<'t, 's> Walker<'t, 's> {
         Self {
             tracer,
             lights: Lights::new(tracer),
+            beams: Beams::new(tracer),
             channels: scene.channels(),
             reflectance: faces
                 .clone()
@@ -98,9 +101,10 @@ impl<'t, 's> Walker<'t, 's> {
         &self.emission[face as usize * self.channels..][..self.channels]
     }
 
-    /// Walks on from `place`, first in direction `first` of the unit square. Calls `arrives(k, weight, emission)` for each part
-    /// weight·emission (per channel) of the irradiance at `place` by light that has been reflected k times. `weight` is scratch: one value a
-    /// channel. No more than `longest` reflections.
+    /// Walks on from `place`, first in direction `first` of the unit square. Calls `arrives(k, part, weight, emission)` for each part
+    /// part·weight·emission (per channel) of the irradiance at `place` that, reflected there, is bounce k of the light: 0 for what comes straight
+    /// from a light without area. `weight` is scratch: one value a
+    /// channel. No more than `longest` reflections of what lamps emit.
     #[inline]
     pub fn irradiance(
         &self,
@@ -113,11 +117,14 @@ impl<'t, 's> Walker<'t, 's> {
     ) {
         weight.fill(1.0);
         let mut direction = first;
+        if let Some(beams) = &self.beams {
+            beams.look(self.tracer, &place, numbers.next(), |part, power| arrives(0, part, weight, power));
+        }
         for k in 0.. {
             // Look straight at a lamp.
             let [u, v, chance, _] = numbers.next();
             if let Some((seen, face)) = self.look_at_light(&place, [u, v]) {
-                arrives(k, seen, weight, self.emission(face));
+                arrives(k + 1, seen, weight, self.emission(face));
             }
             // Go on in a direction of density cos θ/π.
             let outwards = frame_around(place.normal) * cosine_hemisphere(direction);
@@ -137,16 +144,20 @@ impl<'t, 's> Walker<'t, 's> {
                 } else {
                     1.0
                 };
-                arrives(k, PI * trust, weight, self.emission(hit.face));
-            }
-            if k == longest {
-                return;
+                arrives(k + 1, PI * trust, weight, self.emission(hit.face));
             }
             // Reflect, and let chance decide whether what is left is worth another step.
             let before = largest(weight);
             weight.iter_mut().zip(self.reflectance(hit.face)).for_each(|(w, rho)| *w *= rho);
             let survival = largest(weight) / before;
             if survival == 0.0 {
+                return;
+            }
+            if let Some(beams) = &self.beams {
+                let random = numbers.next();
+                beams.look(self.tracer, &next, random, |part, power| arrives(k + 1, part, weight, power));
+            }
+            if k == longest {
                 return;
             }
             if k + 1 >= CERTAIN {

@@ -24,7 +24,7 @@ pub(super) fn diverging(amount: f64) -> Colour {
 }
 
 /// OKLab to linear sRGB.
-fn oklab_to_linear([l, a, b]: [f64; 3]) -> [f64; 3] {
+pub(super) fn oklab_to_linear([l, a, b]: [f64; 3]) -> [f64; 3] {
     let l_ = (l + 0.396_337_777_4 * a + 0.215_803_757_3 * b).powi(3);
     let m_ = (l - 0.105_561_345_8 * a - 0.063_854_172_8 * b).powi(3);
     let s_ = (l - 0.089_484_177_5 * a - 1.291_485_548_0 * b).powi(3);

@@ -1,18 +1,21 @@
 //! Figures: pictures and plots with words, to be read without the program.
 //!
 //! [`write_comparison`] holds an answer against a reference, [`write_bounces`] shows how light builds up bounce by bounce,
-//! [`write_orders_plot`] how the error of the series falls with its order.
+//! [`write_orders_plot`] how the error of the series falls with its order, and
+//! [`write_illuminance`] how much light falls where, in false colours.
 
 mod bounces;
 mod canvas;
 mod comparison;
 mod diverging;
+mod illuminance;
 mod orders;
 mod panel;
 mod text;
 
 pub use bounces::{BouncePictures, write_bounces};
 pub use comparison::{ComparisonOptions, write_comparison};
+pub use illuminance::write_illuminance;
 pub use orders::{OrdersPlot, write_orders_plot};
 
 /// The number of the form 1, 2 or 5 · 10ᵏ at or next above `x`, to six digits; 1 where `x` is not positive and finite.

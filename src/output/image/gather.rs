@@ -1,9 +1,11 @@
-//! Final gathering: light at a point itself, not at its patch; L = Lₑ + ρ/π·(H of lamps + H of all else).
+//! Final gathering: light at a point itself, not at its patch; L = Lₑ + ρ/π·(H of lamps + H of lights without area + H of all else).
 //!
 //! Lamps are sampled at points drawn on them, everything else by cosine-distributed rays that bring back the solution
 //! where they land. Such rays meet lamps too. Both ways count, weighted by the balance heuristic (Veach &
 //! Guibas 1995, eq. 14), so that nothing is counted twice and no sample weighs more than the lamp is bright, however near
 //! the lamp.
+
+use std::f64::consts::FRAC_1_PI;
 
 use glam::DVec3;
 use nalgebra::DMatrix;
@@ -13,13 +15,14 @@ use super::field::Elements;
 use crate::patches::Patches;
 use crate::scene::Side;
 use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around};
-use crate::trace::{Destination, Hit, LampView, Lamps, Ray, Tracer, geometry_term};
+use crate::trace::{Destination, Hit, LampView, Lamps, Lights, Ray, Tracer, geometry_term};
 
 /// All it takes to gather light at a point.
 pub(super) struct Gather<'a, 's> {
     tracer: &'a Tracer<'s>,
     patches: &'a Patches<'s>,
     lamps: Lamps,
+    lights: Option<Lights>,
     /// Radiance L wherever rays land.
     radiance: Elements<'a, 's>,
     /// Of every material.
@@ -60,6 +63,7 @@ impl<'a, 's> Gather<'a, 's> {
             tracer,
             patches,
             lamps: Lamps::new(tracer),
+            lights: Lights::new(tracer),
             radiance: Elements::new(patches, radiance),
             reflectance: materials.iter().map(|m| to_rgb(&m.reflectance).into()).collect(),
             emission: materials.iter().map(|m| to_rgb(&m.emission).into()).collect(),
@@ -118,7 +122,22 @@ impl<'a, 's> Gather<'a, 's> {
         emitted
             + reflectance
                 * (self.light_of_lamps(&place, view, [s, t])
-                    + self.light_around(&place, view, [u, v], numbers))
+                    + self.light_around(&place, view, [u, v], numbers)
+                    + self.light_of_lights(&place, [s, t]))
+    }
+
+    /// H₀/π: straight from lights without area and from the sky.
+    fn light_of_lights(&self, place: &Place, random: [f64; 2]) -> DVec3 {
+        let Some(lights) = &self.lights else { return DVec3::ZERO };
+        let mut irradiance = vec![0.0; self.tracer.scene().channels()];
+        lights.add_irradiance(
+            self.tracer,
+            (place.point, place.face),
+            place.normal,
+            || random,
+            &mut irradiance,
+        );
+        DVec3::from(to_rgb(&irradiance)) * FRAC_1_PI
     }
 
     fn place(&self, hit: &Hit) -> Place {

@@ -32,7 +32,7 @@ use super::{OutputError, Picture, to_rgb};
 use crate::measure::PathTracer;
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
-use crate::scene::{Camera, Side};
+use crate::scene::{Camera, Side, Sky, SkyShares};
 use crate::trace::{Hit, Ray, Tracer};
 
 /// How radiance is found where a camera ray ends.
@@ -121,7 +121,8 @@ const MOST_SAMPLES: u32 = 1 << 20;
 /// About so many pixels are rendered together, as a band of rows; 160 bytes each.
 const BAND: usize = 1 << 19;
 
-/// Renders `radiance` (N × c, W·sr⁻¹·m⁻²) as `camera` sees it; where nothing is met, or no light comes, it is black.
+/// Renders `radiance` (N × c, W·sr⁻¹·m⁻²) as `camera` sees it; where nothing is met there is sky, or black where there is none;
+/// where no light comes it is black.
 ///
 /// N is the number of patches n or, for linear elements, 3n. Where these fall below zero they are shown with less of a tilt.
 /// The picture does not depend on the number of threads.
@@ -167,6 +168,7 @@ struct View<'a, 's> {
     patches: &'a Patches<'s>,
     lens: Lens,
     sight: Sight<'a, 's>,
+    sky: Option<SkyShares>,
     options: &'a RenderOptions<'a>,
 }
 
@@ -195,7 +197,8 @@ impl<'a, 's> View<'a, 's> {
             Shading::Path => Sight::Path(PathTracer::new(tracer)),
         };
         let lens = Lens::new(tracer, camera, options.width, options.height);
-        Self { tracer, patches, lens, sight, options }
+        let sky = tracer.scene().sky().map(Sky::shares);
+        Self { tracer, patches, lens, sight, sky, options }
     }
 
     /// The picture, made in bands of so many rows.
@@ -294,9 +297,17 @@ impl<'a, 's> View<'a, 's> {
         self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics)
     }
 
+    /// What a ray that leaves the scene sees of the sky.
+    fn sky_behind(&self, ray: &Ray) -> Option<Seen> {
+        let shares = self.sky.as_ref().filter(|_| self.tracer.is_clear(ray, f64::INFINITY))?;
+        let zenith: DVec3 = to_rgb(&self.tracer.scene().sky()?.zenith).into();
+        Some(Seen { radiance: zenith * shares.from(ray.direction), is_lamp: true, outline: 1.0 })
+    }
+
     /// What is seen at a point of the picture, if `meet` tells what the ray meets and the radiance that leaves there.
     fn look(&self, point: DVec2, meet: impl FnOnce(&Ray) -> Option<(Hit, DVec3)>) -> Option<Seen> {
-        let (hit, radiance) = meet(&self.lens.ray(point))?;
+        let ray = self.lens.ray(point);
+        let Some((hit, radiance)) = meet(&ray) else { return self.sky_behind(&ray) };
         let face = hit.face as usize;
         let outlined = || self.patches.patch_at(face, hit.side, hit.barycentrics);
         let outline = match self.options.outlines {

@@ -1,0 +1,77 @@
+//! Beams: light from sources without area, as a walk looks for it from each of its places; the path tracer's own way.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+
+use super::walk::Place;
+use crate::scene::{Light, Sky, SkyShares};
+use crate::trace::sampling::{cosine_hemisphere, frame_around};
+use crate::trace::{Ray, Tracer};
+
+/// All lights without area, and the sky.
+#[derive(Debug)]
+pub(super) struct Beams {
+    lights: Vec<Light>,
+    sky: Option<(SkyShares, Sky)>,
+}
+
+impl Beams {
+    /// Those of a scene; none where it has none.
+    pub fn new(tracer: &Tracer) -> Option<Self> {
+        let scene = tracer.scene();
+        let lights: Vec<Light> = scene.lights().cloned().collect();
+        let sky = scene.sky().map(|sky| (sky.shares(), sky.clone()));
+        (!lights.is_empty() || sky.is_some()).then_some(Self { lights, sky })
+    }
+
+    /// Calls `arrives(part, power)` for each part · power (per channel) of the irradiance at `place`, straight from lights and sky.
+    #[inline]
+    pub fn look(
+        &self,
+        tracer: &Tracer,
+        place: &Place,
+        [u, v, s, t]: [f64; 4],
+        mut arrives: impl FnMut(f64, &[f64]),
+    ) {
+        let ray = |direction: DVec3| Ray { origin: place.point, direction, from: place.face };
+        for light in &self.lights {
+            match light {
+                Light::Point { position, intensity } | Light::Spot { position, intensity, .. } => {
+                    // Go back to metres: intensity · cos θ / r².
+                    let between = tracer.frame().from_world(*position) - place.point;
+                    let distance = between.length();
+                    let direction = between / distance;
+                    let metres = distance * tracer.frame().scale();
+                    let part =
+                        place.normal.dot(direction) * light.share_towards(-direction) / (metres * metres);
+                    if part > 0.0 && part.is_finite() && tracer.is_clear(&ray(direction), distance) {
+                        arrives(part, intensity);
+                    }
+                }
+                Light::Sun { direction, irradiance, diameter } => {
+                    // Draw a direction from the disc, uniform in solid angle; the disc's radiance is E / (π sin²α).
+                    let radius = (0.5 * diameter).to_radians();
+                    let height = 1.0 - u * (1.0 - radius.cos());
+                    let across = (1.0 - height * height).max(0.0).sqrt();
+                    let (sine, cosine) = (v * TAU).sin_cos();
+                    let towards =
+                        frame_around(-*direction) * DVec3::new(across * cosine, across * sine, height);
+                    // Its solid angle by its radiance per irradiance: 2π(1 − cos α) / (π sin²α).
+                    let spread = 2.0 / (1.0 + radius.cos());
+                    let part = place.normal.dot(towards) * spread;
+                    if part > 0.0 && tracer.is_clear(&ray(towards), f64::INFINITY) {
+                        arrives(part, irradiance);
+                    }
+                }
+            }
+        }
+        if let Some((shares, sky)) = &self.sky {
+            let towards = frame_around(place.normal) * cosine_hemisphere([s, t]);
+            let part = PI * shares.from(towards);
+            if part > 0.0 && tracer.is_clear(&ray(towards), f64::INFINITY) {
+                arrives(part, &sky.zenith);
+            }
+        }
+    }
+}

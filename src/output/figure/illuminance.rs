@@ -1,0 +1,136 @@
+//! Illuminance: a picture in false colours, with a line wherever a round value is passed, and a legend.
+
+use std::f64::consts::TAU;
+use std::io::{self, Write};
+
+use super::super::Picture;
+use super::super::tone::to_byte;
+use super::canvas::{Area, Canvas, Colour, GREY, INK};
+use super::diverging::oklab_to_linear;
+use super::panel::{MARGIN, TITLE, draw_pixels, draw_title, enlargement};
+use super::round_up;
+use super::text::{self, TextSize};
+
+/// Steps of the legend, from nothing to the highest value shown.
+const STEPS: usize = 10;
+
+/// The share of pixels that may be brighter than the highest value shown.
+const ABOVE: f64 = 0.005;
+
+/// Width of the legend's bar and of all of it, pixels.
+const BAR: usize = 24;
+const LEGEND: usize = 120;
+
+/// Lamps and sky.
+const BLANK: Colour = [200; 3];
+
+/// Writes a picture of illuminance (lx, the same in every channel) as PNG; lamps and sky are left grey.
+///
+/// # Errors
+/// Those of `writer`.
+pub fn write_illuminance(writer: &mut dyn Write, picture: &Picture) -> io::Result<()> {
+    let scale = enlargement(picture.width);
+    let (width, height) = (picture.width * scale, picture.height * scale);
+    let mut canvas = Canvas::new(width + LEGEND + 2 * MARGIN, height + TITLE + 2 * MARGIN);
+    let area = Area { left: MARGIN, top: MARGIN + TITLE, width, height };
+    let top = highest(picture);
+    let step = top / STEPS as f64;
+    let pixels = Pixels { picture, step };
+    draw_pixels(&mut canvas, area, scale, |x, y| match pixels.at(x, y) {
+        None => BLANK,
+        Some(_) if pixels.is_on_line(x, y) => INK,
+        Some(lux) => sequential(lux / top),
+    });
+    draw_title(&mut canvas, area, "illuminance, lx");
+    // The legend runs upwards, with a line and a number at each step.
+    let bar = Area { left: area.right() + MARGIN, top: area.top, width: BAR, height };
+    canvas.paint(bar, |_, y| sequential(1.0 - (y as f64 + 0.5) / height as f64));
+    canvas.frame(bar, GREY);
+    let labels = if height >= STEPS * TextSize::Small.height() { 1 } else { STEPS };
+    for k in (0..=STEPS).step_by(labels) {
+        let y = bar.top + height - height * k / STEPS;
+        canvas.fill(Area { left: bar.left, top: y.min(bar.bottom() - 1), width: BAR, height: 1 }, INK);
+        let label = format!("{}", (step * k as f64 * 1e6).round() / 1e6);
+        let place = (bar.right() + 6, y.saturating_sub(TextSize::Small.height() / 2));
+        text::draw_fitting(&mut canvas, &label, place, LEGEND - MARGIN - BAR - 6, TextSize::Small, INK);
+    }
+    canvas.write_png(writer)
+}
+
+/// A round value that few pixels beside lamps and sky exceed.
+fn highest(picture: &Picture) -> f64 {
+    let seen = picture.pixels.iter().zip(&picture.lamps).filter(|(_, lamp)| lamp.share == 0.0);
+    let mut values: Vec<f32> = seen.map(|(pixel, _)| pixel[0]).filter(|lux| *lux > 0.0).collect();
+    if values.is_empty() {
+        return 1.0;
+    }
+    let place = ((1.0 - ABOVE) * (values.len() - 1) as f64).round() as usize;
+    round_up(f64::from(*values.select_nth_unstable_by(place, f32::total_cmp).1))
+}
+
+struct Pixels<'a> {
+    picture: &'a Picture,
+    /// Illuminance between two lines.
+    step: f64,
+}
+
+impl Pixels<'_> {
+    /// Illuminance; none for lamps and sky and beyond the picture.
+    fn at(&self, x: usize, y: usize) -> Option<f64> {
+        let Picture { width, height, pixels, lamps } = self.picture;
+        let place = y * width + x;
+        let inside = x < *width && y < *height && lamps[place].share < 0.5;
+        inside.then(|| f64::from(pixels[place][0]))
+    }
+
+    /// Whether a round value lies between this pixel and the next to the right or below.
+    fn is_on_line(&self, x: usize, y: usize) -> bool {
+        let band = |lux: f64| (lux / self.step).floor().min(STEPS as f64);
+        let here = self.at(x, y).map(band);
+        [(x + 1, y), (x, y + 1)]
+            .into_iter()
+            .filter_map(|(x, y)| self.at(x, y))
+            .any(|lux| here.is_some_and(|here| band(lux) != here))
+    }
+}
+
+/// From dark violet through green to light yellow; what lies beyond has the colour of the end. Lightness rises evenly.
+fn sequential(amount: f64) -> Colour {
+    let amount = amount.clamp(0.0, 1.0);
+    let (lightness, hue) = (0.28 + 0.67 * amount, TAU * (0.82 - 0.52 * amount));
+    let chroma = 0.06 + 0.08 * amount;
+    oklab_to_linear([lightness, chroma * hue.cos(), chroma * hue.sin()]).map(|x| to_byte(x.clamp(0.0, 1.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp() -> Picture {
+        Picture::new(100, 20, (0..2000).map(|k| [(k % 100) as f32; 3]).collect())
+    }
+
+    #[test]
+    fn colours_grow_lighter_with_the_amount() {
+        let light = |amount: f64| sequential(amount).map(f64::from).iter().sum::<f64>();
+        assert!((1..=50).all(|k| light(f64::from(k) / 50.0) > light(f64::from(k - 1) / 50.0)));
+        assert_eq!(sequential(7.0), sequential(1.0));
+    }
+
+    #[test]
+    fn lines_are_where_round_values_are_passed() {
+        let picture = ramp();
+        let pixels = Pixels { picture: &picture, step: highest(&picture) / STEPS as f64 };
+        assert_eq!(highest(&picture), 100.0);
+        let lines: Vec<usize> = (0..100).filter(|&x| pixels.is_on_line(x, 3)).collect();
+        assert_eq!(lines, [9, 19, 29, 39, 49, 59, 69, 79, 89]);
+    }
+
+    #[test]
+    fn dark_and_lampless_pictures_can_be_drawn_too() {
+        let mut bytes = Vec::new();
+        write_illuminance(&mut bytes, &Picture::new(3, 2, vec![[0.0; 3]; 6])).unwrap();
+        let drawn = image::load_from_memory(&bytes).unwrap().into_rgb8();
+        assert!(drawn.width() > 240 && drawn.pixels().any(|p| p.0 == sequential(0.0)));
+    }
+}

@@ -1,0 +1,174 @@
+//! Receivers: rows without columns, the irradiance of points that are no patches.
+//!
+//! Each point sends cosine-distributed rays and looks straight at lamps; the two are joined by the balance heuristic (Veach & Guibas
+//! 1995, eq. 14). What comes of it is a row of form factors to patches, which any radiance on them turns into irradiance.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::LightOptions;
+use crate::patches::{Basis, Patches};
+use crate::progress::Cancelled;
+use crate::scene::{Receiver, Side};
+use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around};
+use crate::trace::{Destination, Lamps, Lights, Ray, Tracer, geometry_term};
+
+/// The streams of random sequences, apart from all others.
+const STREAM: u64 = 1 << 55;
+const LIGHT_STREAM: u64 = 1 << 56;
+
+/// Points between two reports of progress.
+const CHUNK: usize = 1024;
+
+/// Form factors from the points of a receiver to patches, and what lights without area bring them.
+#[derive(Clone, Debug)]
+pub struct ReceiverRows {
+    /// Per point: coefficients and form factors.
+    rows: Vec<Vec<(u32, f64)>>,
+    /// H₀, m × c, W·m⁻².
+    direct: DMatrix<f64>,
+}
+
+impl ReceiverRows {
+    /// Traces the rows of a receiver's m points, `options.rays` rays each.
+    ///
+    /// # Errors
+    /// `Cancelled`.
+    pub fn trace(
+        tracer: &Tracer,
+        patches: &Patches,
+        basis: Basis,
+        receiver: &Receiver,
+        options: &LightOptions,
+    ) -> Result<Self, Cancelled> {
+        let points: Vec<DVec3> = receiver.points().map(|p| tracer.frame().from_world(p)).collect();
+        let channels = tracer.scene().channels();
+        let gather = Gather {
+            tracer,
+            patches,
+            basis,
+            lamps: Lamps::new(tracer),
+            lights: Lights::new(tracer),
+            normal: receiver.normal(),
+            rays: options.rays.clamp(1, crate::trace::sampling::SEQUENCE_END),
+            seed: options.seed,
+        };
+        let mut rows = Vec::with_capacity(points.len());
+        let mut direct = vec![0.0; points.len() * channels];
+        let chunks = points.chunks(CHUNK).zip(direct.chunks_mut(CHUNK * channels));
+        for (chunk, (points, direct)) in chunks.enumerate() {
+            options.progress.at("receive", rows.len() as f64 / receiver.len() as f64)?;
+            let work = points.par_iter().zip(direct.par_chunks_mut(channels)).enumerate();
+            let found = work.map(|(k, (&point, direct))| {
+                let place = (chunk * CHUNK + k) as u32;
+                gather.add_direct(point, place, direct);
+                gather.row(point, place)
+            });
+            rows.par_extend(found);
+        }
+        options.progress.at("receive", 1.0)?;
+        Ok(Self { direct: DMatrix::from_row_slice(points.len(), channels, &direct), rows })
+    }
+
+    /// Irradiance H = H₀ + πFL of the points under radiance L (N × c), m × c, W·m⁻².
+    ///
+    /// # Panics
+    /// If `radiance` has not the channels of the scene, or too few rows.
+    pub fn irradiance(&self, radiance: &DMatrix<f64>) -> DMatrix<f64> {
+        DMatrix::from_fn(self.rows.len(), self.direct.ncols(), |i, c| {
+            let around: f64 = self.rows[i].iter().map(|&(j, f)| f * radiance[(j as usize, c)]).sum();
+            self.direct[(i, c)] + PI * around
+        })
+    }
+}
+
+/// All it takes to trace the row of a point.
+struct Gather<'a, 's> {
+    tracer: &'a Tracer<'s>,
+    patches: &'a Patches<'s>,
+    basis: Basis,
+    lamps: Lamps,
+    lights: Option<Lights>,
+    normal: DVec3,
+    rays: u32,
+    seed: u64,
+}
+
+impl Gather<'_, '_> {
+    fn row(&self, point: DVec3, place: u32) -> Vec<(u32, f64)> {
+        let view = self.lamps.view_from(&[point], self.normal);
+        let frame = frame_around(self.normal);
+        let rays = f64::from(self.rays);
+        // Density of all samples on a lamp's point, per unit of normalised area: rays find it with density g, lamp samples with p.
+        let share = |g: f64, p: f64| g / (rays * (g + p));
+        let mut row = Vec::new();
+        let (sequence, points) = Sequence::stretch(self.seed, STREAM, place, 0, self.rays);
+        for k in points {
+            let [x, y, u, v] = sequence.point(k);
+            let direction = frame * cosine_hemisphere([x, y]);
+            let ray = Ray { origin: point, direction, from: Ray::FREE };
+            // By way of mirrors and glass too, in the mean of their colours.
+            let mut colour = 1.0;
+            let numbers = |carrier: u32| sequence.dimensions(k, carrier + 1);
+            let dims = |part: &[f64], _: f64| {
+                colour *= part.iter().sum::<f64>() / part.len() as f64;
+                colour > 0.0
+            };
+            if let Destination::Diffuse { hit, carried } = self.tracer.destination(&ray, numbers, dims) {
+                let face = hit.face as usize;
+                let weight = if carried {
+                    colour / rays
+                } else if self.lamps.contains(face, hit.side) {
+                    let there = (point + direction * hit.distance, self.tracer.normal(face, hit.side));
+                    let g = geometry_term((point, self.normal), there);
+                    if g > 0.0 { share(g, self.lamps.pdf(&view, face)) } else { 0.0 }
+                } else {
+                    1.0 / rays
+                };
+                self.push(&mut row, (face, hit.side), hit.barycentrics, weight);
+            }
+            let Some(lamp) = self.lamps.sample(&view, [u, v]) else { continue };
+            let g = geometry_term((point, self.normal), (lamp.point, lamp.normal));
+            if g > 0.0 && self.tracer.unoccluded((point, Ray::FREE), (lamp.point, lamp.face)) {
+                let place = (lamp.face as usize, Side::Front);
+                self.push(&mut row, place, lamp.barycentrics, share(g, lamp.pdf));
+            }
+        }
+        row.sort_unstable_by_key(|&(j, _)| j);
+        row.chunk_by(|a, b| a.0 == b.0).map(|run| (run[0].0, run.iter().map(|&(_, f)| f).sum())).collect()
+    }
+
+    /// Adds a form factor to where it belongs: the patch, or its corners.
+    fn push(
+        &self,
+        row: &mut Vec<(u32, f64)>,
+        (face, side): (usize, Side),
+        barycentrics: [f64; 2],
+        weight: f64,
+    ) {
+        let Some(patch) = self.patches.patch_at(face, side, barycentrics) else { return };
+        match self.basis {
+            Basis::Constant => row.push((patch as u32, weight)),
+            Basis::Linear => {
+                let [u, v] = self.patches.weights_in(self.patches.slot_of_patch(patch), barycentrics);
+                let corners = [1.0 - u - v, u, v];
+                row.extend((0..3).map(|a| (3 * patch as u32 + a, weight * corners[a as usize])));
+            }
+        }
+    }
+
+    fn add_direct(&self, point: DVec3, place: u32, direct: &mut [f64]) {
+        let Some(lights) = &self.lights else { return };
+        let (sequence, points) = Sequence::stretch(self.seed, LIGHT_STREAM, place, 0, self.rays);
+        for k in points {
+            let [u, v, s, t] = sequence.point(k);
+            let mut numbers = [[u, v], [s, t]].into_iter().cycle();
+            let mut random = || numbers.next().unwrap_or([u, v]);
+            lights.add_irradiance(self.tracer, (point, Ray::FREE), self.normal, &mut random, direct);
+        }
+        direct.iter_mut().for_each(|h| *h /= f64::from(self.rays));
+    }
+}

@@ -1,0 +1,181 @@
+//! Sources: what the right-hand side E = Lₑ + ρH₀/π is made of: emitted radiance, and irradiance by lights without area.
+//!
+//! For each patch and light H₀ is the mean over the patch of what the light sends, times the share that nothing hides. Where the mean of the
+//! geometry alone is known, the rays only have to tell that share, weighted by what each would bring: so an unhidden point light is exact.
+
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::{Mass, Transport};
+use crate::patches::{Basis, Patches};
+use crate::progress::{Cancelled, Progress};
+use crate::trace::{Lights, Ray, Tracer, sampling};
+
+/// The streams of random sequences towards lights, one per light, and into the sky; apart from all others.
+const STREAM: u64 = 1 << 53;
+const SKY_STREAM: u64 = 1 << 54;
+
+/// Patches between two reports of progress.
+const CHUNK: usize = 4096;
+
+/// How to look for lights without area.
+#[derive(Clone, Copy, Debug)]
+pub struct LightOptions<'a> {
+    /// Rays per patch into the sky, 1 to 65536; a quarter as many go to each light. Time grows in proportion.
+    pub rays: u32,
+    /// Number of the random sequence. The same seed gives the same bits.
+    pub seed: u64,
+    /// Where to report progress, as stage `light`.
+    pub progress: Progress<'a>,
+}
+
+impl Default for LightOptions<'_> {
+    /// 512 rays.
+    fn default() -> Self {
+        Self { rays: 512, seed: 0, progress: Progress::default() }
+    }
+}
+
+/// The light that starts in a scene, by coefficients (N × c).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sources {
+    /// Emitted radiance Lₑ, W·sr⁻¹·m⁻².
+    pub emitted: DMatrix<f64>,
+    /// Irradiance H₀ by lights without area and the sky, W·m⁻²; none where a scene has none.
+    pub direct: Option<DMatrix<f64>>,
+}
+
+impl Sources {
+    /// Looks from every patch for the scene's lights without area; a scene without them costs no ray.
+    ///
+    /// # Errors
+    /// `Cancelled`.
+    pub fn trace(
+        tracer: &Tracer,
+        patches: &Patches,
+        basis: Basis,
+        options: &LightOptions,
+    ) -> Result<Self, Cancelled> {
+        let emitted = basis.coefficients_of(&patches.sources());
+        let Some(lights) = Lights::new(tracer) else { return Ok(Self { emitted, direct: None }) };
+        let rays = options.rays.clamp(1, sampling::SEQUENCE_END);
+        let channels = emitted.ncols();
+        let look = Look { tracer, patches, lights, rays, seed: options.seed, channels };
+        let each = basis.coefficients() * channels;
+        let mut moments = vec![0.0; each * patches.len()];
+        for (chunk, rows) in moments.chunks_mut(CHUNK * each).enumerate() {
+            options.progress.at("light", (chunk * CHUNK) as f64 / patches.len() as f64)?;
+            rows.par_chunks_mut(each).enumerate().for_each(|(k, row)| match basis {
+                Basis::Constant => look.add_moments::<1>(chunk * CHUNK + k, |_| [1.0], row),
+                Basis::Linear => look.add_moments::<3>(chunk * CHUNK + k, |[u, v]| [1.0 - u - v, u, v], row),
+            });
+        }
+        options.progress.at("light", 1.0)?;
+        let mut direct = DMatrix::from_row_slice(emitted.nrows(), channels, &moments);
+        Mass::new(basis, patches.areas()).solve(&mut direct, 1.0);
+        Ok(Self { emitted, direct: Some(direct) })
+    }
+
+    /// The right-hand side E = Lₑ + ρH₀/π, N × c.
+    ///
+    /// # Panics
+    /// If the operator is not of these coefficients.
+    pub fn right_hand_side(&self, k: &Transport) -> DMatrix<f64> {
+        match &self.direct {
+            Some(direct) => &self.emitted + k.reflect(direct),
+            None => self.emitted.clone(),
+        }
+    }
+
+    /// The flux that starts, per channel, in W·m⁻² times the unit of area of `mass`: π Σ A Lₑ + Σ A H₀.
+    pub fn flux(&self, mass: &Mass) -> Vec<f64> {
+        let direct = |c: usize| self.direct.as_ref().map_or(0.0, |h| mass.sums().dot(&h.column(c)));
+        let of = |c: usize| PI * mass.sums().dot(&self.emitted.column(c)) + direct(c);
+        (0..self.emitted.ncols()).map(of).collect()
+    }
+}
+
+impl From<DMatrix<f64>> for Sources {
+    /// Emitted radiance (N × c) alone.
+    fn from(emitted: DMatrix<f64>) -> Self {
+        Self { emitted, direct: None }
+    }
+}
+
+/// All it takes to look for light from a patch.
+struct Look<'a> {
+    tracer: &'a Tracer<'a>,
+    patches: &'a Patches<'a>,
+    lights: Lights,
+    rays: u32,
+    seed: u64,
+    channels: usize,
+}
+
+impl Look<'_> {
+    /// Adds ∫ φ_a H₀ dA over a patch to `moments`, a row of channels for each of the basis functions `phi`.
+    fn add_moments<const N: usize>(
+        &self,
+        patch: usize,
+        phi: impl Fn([f64; 2]) -> [f64; N],
+        moments: &mut [f64],
+    ) {
+        let slot = self.patches.slot_of_patch(patch);
+        let facet = self.patches.facet(self.tracer, slot);
+        let [a, b, c] = facet.corners;
+        let area = self.patches.areas()[patch];
+        let mut add = |sums: [f64; N], scale: f64, power: &[f64]| {
+            for (row, sum) in moments.chunks_exact_mut(self.channels).zip(sums) {
+                row.iter_mut().zip(power).for_each(|(moment, power)| *moment += area * scale * sum * power);
+            }
+        };
+        for light in 0..self.lights.len() {
+            let mean = self.lights.mean_density(light, &facet.corners, facet.normal);
+            if mean == Some(0.0) {
+                continue;
+            }
+            // Weigh each ray by what it would bring if nothing stood in its way.
+            let rays = self.rays.div_ceil(4);
+            let stream = STREAM + ((light as u64) << 32);
+            let (sequence, points) = sampling::Sequence::stretch(self.seed, stream, slot, 0, rays);
+            let (mut whole, mut seen) = (0.0, [0.0; N]);
+            for k in points {
+                let [s, t, u, v] = sequence.point(k);
+                let [s, t] = sampling::uniform_triangle([s, t]);
+                let point = a + (b - a) * s + (c - a) * t;
+                let beam = self.lights.beam(light, point, [u, v]);
+                let weight = beam.density * facet.normal.dot(beam.direction);
+                if !(weight > 0.0 && weight.is_finite()) {
+                    continue;
+                }
+                whole += weight;
+                if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, (point, facet.face)) {
+                    seen.iter_mut().zip(phi([s, t])).for_each(|(sum, phi)| *sum += weight * beam.share * phi);
+                }
+            }
+            // Scale to what is known of all rays together.
+            let scale = match mean {
+                Some(mean) if whole > 0.0 => mean / whole,
+                Some(_) => 0.0,
+                None => 1.0 / f64::from(rays),
+            };
+            add(seen, scale, self.lights.power(light));
+        }
+        if let Some(sky) = self.lights.sky() {
+            let (sequence, points) = sampling::Sequence::stretch(self.seed, SKY_STREAM, slot, 0, self.rays);
+            let mut seen = [0.0; N];
+            for k in points {
+                let [s, t, u, v] = sequence.point(k);
+                let [s, t] = sampling::uniform_triangle([s, t]);
+                let (direction, weight) = sky.sample(facet.normal, [u, v]);
+                let ray = Ray { origin: a + (b - a) * s + (c - a) * t, direction, from: facet.face };
+                if weight > 0.0 && self.tracer.is_clear(&ray, f64::INFINITY) {
+                    seen.iter_mut().zip(phi([s, t])).for_each(|(sum, phi)| *sum += weight * phi);
+                }
+            }
+            add(seen, 1.0 / f64::from(self.rays), sky.zenith());
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Receivers: closed forms at points that are no patches, and what the program reports of them.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use radiosity::output::Illuminance;
+use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::scene::{Light, Material, Receiver, Sky, SkyKind};
+use radiosity::trace::{Tracer, form_factor_to_triangle};
+use radiosity::transport::{LightOptions, ReceiverRows, Sources};
+
+use crate::scenes::{flipped, lit_quads};
+use crate::scratch::Scratch;
+
+/// A square of this half-width at a height, facing up.
+fn plane(half: f64, y: f64) -> [[f64; 3]; 4] {
+    [[-half, y, -half], [-half, y, half], [half, y, half], [half, y, -half]]
+}
+
+/// Points on the square of half-width 0.5 at a height, facing up.
+fn desk(y: f64) -> Receiver {
+    Receiver {
+        name: "desk".into(),
+        corner: DVec3::new(-0.5, y, -0.5),
+        edges: [DVec3::Z, DVec3::X],
+        counts: [4, 3],
+    }
+}
+
+#[test]
+fn under_a_lamp_receivers_see_lamberts_formula() {
+    let materials = vec![Material::diffuse("floor", &[0.0]), Material::lamp("lamp", &[0.0], &[7.0])];
+    let quads = [(plane(2.0, 0.0), 0), (flipped(plane(0.4, 1.0)), 1)];
+    let scene = lit_quads(&quads, materials, vec![], None);
+    let tracer = Tracer::new(&scene);
+    let size = PatchSize::Count(300);
+    let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    for basis in [Basis::Constant, Basis::Linear] {
+        let emitted = basis.coefficients_of(&patches.sources());
+        for height in [0.2, 0.7, 0.95] {
+            let receiver = desk(height);
+            let options = LightOptions { rays: 4096, ..Default::default() };
+            let found = ReceiverRows::trace(&tracer, &patches, basis, &receiver, &options)
+                .unwrap()
+                .irradiance(&emitted);
+            for (i, point) in receiver.points().enumerate() {
+                let at = tracer.frame().from_world(point);
+                let seen = |f: usize| form_factor_to_triangle(at, DVec3::Y, tracer.corners(f));
+                let exact = 7.0 * PI * (seen(2) + seen(3));
+                assert!(
+                    (found[i] / exact - 1.0).abs() < 3e-3,
+                    "{basis:?} {height} {i}: {} {exact}",
+                    found[i]
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn lights_without_area_reach_receivers_and_lit_ground_shines_back() {
+    let light = DVec3::new(0.2, 2.0, 0.1);
+    let sky = Sky { kind: SkyKind::Overcast, up: DVec3::Y, zenith: vec![10.0], ground: 0.0 };
+    let materials = vec![Material::diffuse("ground", &[0.5])];
+    let lamp = Light::Point { position: light, intensity: vec![30.0] };
+    let scene = lit_quads(&[(plane(1.0, 0.0), 0)], materials, vec![lamp], Some(sky));
+    let tracer = Tracer::new(&scene);
+    let size = PatchSize::Count(500);
+    let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let options = LightOptions { rays: 4096, ..Default::default() };
+    let sources = Sources::trace(&tracer, &patches, Basis::Constant, &options).unwrap();
+    // The ground reflects half of what arrives, and sees nothing but the sky.
+    let radiance = sources.direct.unwrap() * (0.5 / PI);
+    let trace = |receiver: &Receiver| {
+        let rows = ReceiverRows::trace(&tracer, &patches, Basis::Constant, receiver, &options).unwrap();
+        rows.irradiance(&radiance)
+    };
+    let up = desk(1.0);
+    let found = trace(&up);
+    for (i, point) in up.points().enumerate() {
+        let between = light - point;
+        let exact = 30.0 * between.y / between.length().powi(3) + 10.0 * 7.0 * PI / 9.0;
+        assert!((found[i] / exact - 1.0).abs() < 1e-3, "{i}: {} {exact}", found[i]);
+    }
+    // Just above the ground, facing down, it is half of what the ground gets.
+    let down = Receiver { edges: [DVec3::X, DVec3::Z], ..desk(1e-3) };
+    assert_eq!(down.normal(), DVec3::NEG_Y);
+    let found = trace(&down);
+    for (i, point) in down.points().enumerate() {
+        let between = light - point;
+        let exact = 0.5 * (30.0 * between.y / between.length().powi(3) + 10.0 * 7.0 * PI / 9.0);
+        assert!((found[i] / exact - 1.0).abs() < 5e-3, "{i}: {} {exact}", found[i]);
+    }
+}
+
+#[test]
+fn uniformity_is_the_lowest_by_the_mean_and_by_the_highest() {
+    let row = Illuminance::of("object", "desk", [(100.0, 1.0), (300.0, 3.0)].into_iter());
+    assert_eq!((row.area, row.mean, row.minimum, row.maximum), (4.0, 250.0, 100.0, 300.0));
+    assert_eq!((row.uniformity, row.diversity), (0.4, 1.0 / 3.0));
+    let dark = Illuminance::of("object", "cellar", [(0.0, 1.0)].into_iter());
+    assert_eq!((dark.uniformity, dark.diversity), (0.0, 0.0));
+}
+
+/// A floor under a point light of 100 cd, with these settings besides.
+fn floor_with(settings: &str) -> Scratch {
+    let obj = "mtllib floor.mtl\nv -1 0 -1\nv -1 0 1\nv 1 0 1\nv 1 0 -1\no floor\nusemtl black\nf 1 2 3 4\n";
+    let light = "[[light]]\nkind = \"point\"\nposition = [0, 2, 0]\nluminous_intensity = 100\n";
+    let settings = format!("{light}{settings}");
+    let mtl = "newmtl black\nKd 0 0 0\n".to_owned();
+    Scratch::with(&[("floor.obj", obj.to_owned()), ("floor.toml", settings), ("floor.mtl", mtl)])
+}
+
+const DESK: &str = "[[receiver]]\nname = \"desk\"\ncorner = [-0.5, 1, -0.5]\nedges = [[0, 0, 1], [1, 0, 0]]\npoints = [3, 3]\n";
+
+fn run(folder: &Scratch, more: &[&str]) -> (bool, String) {
+    let mut command = assert_cmd::cargo::cargo_bin_cmd!("radiosity");
+    let usual = ["solve", "floor.obj", "--patches", "200", "--rays", "64", "--size", "80x60"];
+    let output = command.current_dir(folder.folder()).args(usual).args(more).output().unwrap();
+    (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+#[test]
+fn the_program_reports_lux_at_receivers_and_on_surfaces() {
+    let folder = floor_with(DESK);
+    let (done, message) = run(&folder, &["--photometric"]);
+    assert!(done, "{message}");
+    let table = |name: &str| -> Vec<Vec<String>> {
+        let mut table = csv::Reader::from_path(folder.path(&format!("out/floor/{name}"))).unwrap();
+        table.records().map(|row| row.unwrap().iter().map(str::to_owned).collect()).collect()
+    };
+    let number = |row: &[String], k: usize| row[k].parse::<f64>().unwrap();
+    // The picture has false colours: the floor is not grey.
+    let picture = image::open(folder.path("out/floor/illuminance.png")).unwrap().into_rgb8();
+    assert!(picture.pixels().any(|p| p.0[1] > p.0[2].saturating_add(40)));
+    let points = table("receivers.csv");
+    assert_eq!(points.len(), 9);
+    // The middle of the desk is 1 m below 100 cd: 100 lx, 100/683 W/m².
+    let middle = &points[4];
+    assert_eq!((middle[0].as_str(), number(middle, 3)), ("desk", 1.0));
+    assert!((number(middle, 8) - 100.0).abs() < 1e-6);
+    assert!((number(middle, 5) - 100.0 / 683.0).abs() < 1e-9);
+    let rows = table("photometry.csv");
+    let names: Vec<&str> = rows.iter().map(|row| row[1].as_str()).collect();
+    assert_eq!(names, ["black", "floor", "desk"]);
+    // 100 cd times the solid angle of the floor, over its 4 m².
+    let exact = 100.0 * 4.0 * (1.0 / (2.0 * 6f64.sqrt())).atan() / 4.0;
+    assert!((number(&rows[1], 3) / exact - 1.0).abs() < 1e-6, "{rows:?}");
+    assert!((number(&rows[2], 5) - 100.0).abs() < 1e-6);
+}
+
+#[test]
+fn bad_receivers_are_refused() {
+    for (settings, words) in [
+        (DESK.replace("[1, 0, 0]", "[0, 0, 2]"), "span an area"),
+        (DESK.replace("points = [3, 3]", "points = [0, 3]"), "points must be"),
+        (DESK.replace("-0.5, 1,", "-0.5, inf,"), "finite"),
+    ] {
+        let (done, message) = run(&floor_with(&settings), &[]);
+        assert!(!done && message.contains("receiver desk") && message.contains(words), "{message}");
+    }
+}
