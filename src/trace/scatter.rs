@@ -40,11 +40,11 @@ pub enum Destination {
 }
 
 impl<'s> Tracer<'s> {
-    /// The ways on from a carrier that `ray` meets at `hit`; their shares sum to 1.
+    /// The way on from a carrier that `ray` meets at `hit`, reflected, and the one refracted where there is one; their shares sum to 1.
     ///
     /// # Panics
     /// If the face is no carrier.
-    pub fn ways_on(&self, ray: &Ray, hit: &Hit) -> [Option<Scattered<'s>>; 2] {
+    pub fn ways_on(&self, ray: &Ray, hit: &Hit) -> (Scattered<'s>, Option<Scattered<'s>>) {
         let face = hit.face as usize;
         let [a, b, c] = self.corners[face];
         let [u, v] = hit.barycentrics;
@@ -53,21 +53,21 @@ impl<'s> Tracer<'s> {
         let cosine = -ray.direction.dot(normal);
         let way = |direction: glam::DVec3, share, colour| {
             let ray = Ray { origin, direction: direction.normalize(), from: hit.face };
-            Some(Scattered { ray, share, colour })
+            Scattered { ray, share, colour }
         };
         let reflected = ray.direction + normal * (2.0 * cosine);
         match &self.scene.material_of(face).surface {
-            Surface::Mirror { reflectance } => [way(reflected, 1.0, Some(reflectance)), None],
+            Surface::Mirror { reflectance } => (way(reflected, 1.0, Some(reflectance)), None),
             Surface::Dielectric { index, filter } => {
                 let ratio = if hit.side == Side::Front { *index } else { 1.0 / index };
                 // Snell: sin θ = ratio · sin θ′.
                 let inside = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);
                 if inside <= 0.0 {
-                    return [way(reflected, 1.0, None), None];
+                    return (way(reflected, 1.0, None), None);
                 }
                 let share = fresnel(cosine, ratio);
                 let refracted = (ray.direction + normal * cosine) / ratio - normal * inside.sqrt();
-                [way(reflected, share, None), way(refracted, 1.0 - share, Some(filter))]
+                (way(reflected, share, None), Some(way(refracted, 1.0 - share, Some(filter))))
             }
             Surface::Diffuse | Surface::Glossy => panic!("face {face} is no carrier"),
         }
@@ -76,8 +76,7 @@ impl<'s> Tracer<'s> {
     /// One of the ways on, drawn with its share by a random number `chance`.
     #[inline]
     pub fn scatter(&self, ray: &Ray, hit: &Hit, chance: f64) -> Scattered<'s> {
-        let [first, second] = self.ways_on(ray, hit);
-        let first = first.expect("there is always a way on");
+        let (first, second) = self.ways_on(ray, hit);
         second.filter(|_| chance >= first.share).unwrap_or(first)
     }
 
@@ -210,7 +209,8 @@ mod tests {
             let [u, v, ..] = Sequence::new(2, 0, 0).point(k);
             let d = -cosine_hemisphere([u, v]);
             let (ray, hit) = towards(&tracer, d);
-            let [reflected, refracted] = tracer.ways_on(&ray, &hit).map(|way| way.expect("two ways"));
+            let (reflected, refracted) = tracer.ways_on(&ray, &hit);
+            let refracted = refracted.expect("two ways");
             assert!((reflected.share + refracted.share - 1.0).abs() < 1e-15);
             let t = refracted.ray.direction;
             assert!((t.length() - 1.0).abs() < 1e-14 && t.z < 0.0);
@@ -218,7 +218,7 @@ mod tests {
             assert!((across(d) - 1.5 * across(t)).length() < 1e-14);
             // Back the same way, as much is refracted.
             let (ray, hit) = towards(&tracer, -t);
-            let back = tracer.ways_on(&ray, &hit)[1].expect("two ways");
+            let back = tracer.ways_on(&ray, &hit).1.expect("two ways");
             assert!((back.ray.direction + d).length() < 1e-7 && (back.share - refracted.share).abs() < 1e-12);
         }
     }
@@ -228,7 +228,7 @@ mod tests {
         let scene = sheet(Material::dielectric("glass", 1.5, &[1.0]));
         let tracer = Tracer::new(&scene);
         let (ray, hit) = towards(&tracer, DVec3::new(0.95, 0.0, -0.4).normalize());
-        let share = tracer.ways_on(&ray, &hit)[0].expect("reflection").share;
+        let share = tracer.ways_on(&ray, &hit).0.share;
         let n = 10_000;
         let reflected = (0..n).filter(|&k| {
             tracer.scatter(&ray, &hit, (f64::from(k) + 0.5) / f64::from(n)).ray.direction.z > 0.0

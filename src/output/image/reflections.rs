@@ -32,7 +32,8 @@ fn over_carriers(
     depth: u32,
 ) -> DVec3 {
     let mut sum = DVec3::ZERO;
-    for way in tracer.ways_on(ray, hit).into_iter().flatten() {
+    let (first, second) = tracer.ways_on(ray, hit);
+    for way in std::iter::once(first).chain(second) {
         let colour = way.colour.map_or(DVec3::ONE, |colour| to_rgb(colour).into());
         let part = part * colour * way.share;
         if part.max_element() < LEAST || depth == DEEPEST {
