@@ -40,9 +40,7 @@ pub use self::mesh::write_ply;
 pub use self::photometry::{Illuminance, illuminance, write_photometry, write_receivers};
 pub use self::picture::{LampPart, Picture};
 pub use self::smooth::SmoothField;
-pub use self::summary::{
-    BounceSummary, EnergySummary, PlanEntry, SeriesSummary, Stage, Summary, write_summary,
-};
+pub use self::summary::{BounceSummary, EnergySummary, SeriesSummary, Stage, Summary, write_summary};
 pub use self::table::{write_faces, write_lamp_groups, write_patches};
 pub use self::tone::{Exposure, srgb, to_rgb};
 pub use self::view::default_camera;

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::{Illuminance, to_rgb};
 use crate::measure::{Energy, Undershoot};
 use crate::solve::{Report, Series, Solution};
-use crate::transport::{Closure, Effect};
+use crate::transport::{Closure, Plan};
 
 /// Writes `summary` as JSON.
 ///
@@ -39,8 +39,8 @@ pub struct Summary {
     pub basis: &'static str,
     /// How exchange areas are stored: `dense` or `sparse`.
     pub storage: &'static str,
-    /// What the scene calls for and what was simulated.
-    pub plan: Vec<PlanEntry>,
+    /// What the scene calls for, what was simulated and what it was predicted to cost.
+    pub plan: Plan,
     /// Where time and memory went.
     pub stages: Vec<Stage>,
     /// The chosen solver's report.
@@ -60,20 +60,6 @@ pub struct Summary {
     pub error: Option<()>,
     /// What the user should know.
     pub warnings: Vec<String>,
-}
-
-/// One effect of the plan, with what it cost where that is known.
-#[derive(Clone, Debug, Serialize)]
-pub struct PlanEntry {
-    /// The effect and its reason.
-    #[serde(flatten)]
-    pub effect: Effect,
-    /// Rays that it takes.
-    pub rays: Option<u64>,
-    /// Seconds that it takes.
-    pub seconds: Option<f64>,
-    /// Bytes that it takes.
-    pub bytes: Option<u64>,
 }
 
 /// A stage of the run.
@@ -132,12 +118,6 @@ impl SeriesSummary {
             difference: (l - &solution.radiance).amax() / solution.radiance.amax(),
             bounces: bounces.collect(),
         }
-    }
-}
-
-impl From<Effect> for PlanEntry {
-    fn from(effect: Effect) -> Self {
-        Self { effect, rays: None, seconds: None, bytes: None }
     }
 }
 

@@ -7,6 +7,7 @@
 mod aggregate;
 mod basis;
 mod groups;
+mod outlook;
 mod sides;
 mod subdivide;
 
@@ -21,6 +22,7 @@ use crate::trace::{Frame, Ray, Tracer, sampling};
 pub use aggregate::FaceRow;
 pub use basis::Basis;
 pub use groups::{Group, GroupBy, Groups};
+pub use outlook::Outlook;
 pub use sides::Reach;
 pub use subdivide::Barycentrics;
 use subdivide::Cuts;

@@ -12,7 +12,7 @@ use super::symmetric::Root;
 use super::{Amplification, Solution, SolveError, finish};
 use crate::patches::Basis;
 use crate::progress::Progress;
-use crate::transport::Transport;
+use crate::transport::{Transport, is_quickly_factored};
 
 /// Limits of the direct solver.
 #[derive(Clone, Copy, Debug)]
@@ -99,11 +99,7 @@ impl Direct<'_> {
 
 /// Whether the direct solver fits into `memory` and takes no more than a second or two.
 pub(super) fn is_quick(k: &Transport, memory: u64) -> bool {
-    // n³/3 multiplications and additions a factor; two cores do some 10¹¹ of these a second.
-    const QUICK: f64 = 1.2e11;
-    let n = k.len() as f64;
-    let factors = distinct_channels(k.reflectance()).1.len() as f64;
-    factors * n.powi(3) / 3.0 < QUICK && factors * 8.0 * n * n <= memory as f64
+    is_quickly_factored(k.len(), distinct_channels(k.reflectance()).1.len(), memory)
 }
 
 /// For each channel the index of its factor, and for each factor its first channel.

@@ -16,7 +16,7 @@ use super::shrinkage::shrink;
 pub(super) type Block = [f32; 9];
 
 /// With so many rays a pair's block takes less than they do.
-const MANY: usize = 5;
+pub(super) const MANY: usize = 5;
 
 /// What a patch found of its exchange with others.
 #[derive(Clone, Debug, Default)]

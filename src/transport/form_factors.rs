@@ -62,7 +62,7 @@ impl Default for TraceOptions<'_> {
 
 impl TraceOptions<'_> {
     /// Shadow rays that go with so many rays.
-    fn lamp_rays_for(&self, rays: u32) -> u32 {
+    pub(super) fn lamp_rays_for(&self, rays: u32) -> u32 {
         let most = BATCHES * sampling::SEQUENCE_END;
         self.lamp_rays.unwrap_or(rays / 2).min(most).next_multiple_of(BATCHES)
     }

@@ -1,7 +1,8 @@
-//! Plan: which effects a scene calls for, and which of them are simulated.
+//! Plan: which effects a scene calls for, which of them are simulated, and what each will cost.
 
 use serde::Serialize;
 
+use super::forecast::{Cost, Forecast};
 use crate::scene::{Material, Scene, Surface};
 
 /// One effect: whether it is simulated, and why.
@@ -13,6 +14,23 @@ pub struct Effect {
     pub on: bool,
     /// Why, in a few words.
     pub reason: String,
+    /// What it is predicted to cost: what would be saved without it. Nothing where it is off, or before [`Plan::foretold`].
+    #[serde(flatten)]
+    pub cost: Cost,
+}
+
+impl Effect {
+    fn new(effect: &'static str, on: bool, reason: impl Into<String>) -> Self {
+        Self { effect, on, reason: reason.into(), cost: Cost::default() }
+    }
+}
+
+/// Light looked for on lamps, beside what rays find of them.
+fn lamps(used: &[&Material]) -> Effect {
+    let names: Vec<&str> = used.iter().filter(|m| m.emits()).map(|m| m.name.as_str()).collect();
+    let reason =
+        if names.is_empty() { "no lamp".into() } else { format!("shadow rays towards {}", names.join(", ")) };
+    Effect::new("lamps", !names.is_empty(), reason)
 }
 
 /// Lights that have a place or a direction.
@@ -23,18 +41,18 @@ fn lights(scene: &Scene) -> Effect {
         1 => "the scene has a light without area".into(),
         _ => format!("the scene has {number} lights without area"),
     };
-    Effect { effect: "lights", on: number > 0, reason }
+    Effect::new("lights", number > 0, reason)
 }
 
 fn sky(scene: &Scene) -> Effect {
     let reason = if scene.sky().is_some() { "the scene has a sky" } else { "no sky" };
-    Effect { effect: "sky", on: scene.sky().is_some(), reason: reason.into() }
+    Effect::new("sky", scene.sky().is_some(), reason)
 }
 
 fn receivers(scene: &Scene) -> Effect {
     let names: Vec<&str> = scene.receivers().iter().map(|receiver| receiver.name.as_str()).collect();
     let reason = if names.is_empty() { "no receiver".into() } else { names.join(", ") };
-    Effect { effect: "receivers", on: !names.is_empty(), reason }
+    Effect::new("receivers", !names.is_empty(), reason)
 }
 
 /// What a run simulates.
@@ -48,7 +66,7 @@ pub struct Plan {
 impl Plan {
     /// Reads the scene and decides.
     pub fn new(scene: &Scene) -> Self {
-        let effect = |effect, on, reason: &str| Effect { effect, on, reason: reason.to_owned() };
+        let effect = |effect, on, reason: &str| Effect::new(effect, on, reason);
         let reflects = scene.materials().iter().any(|m| m.reflects());
         let called_for = |effect, what: &str, wants: &dyn Fn(usize) -> bool| {
             let names: Vec<&str> = scene
@@ -62,7 +80,7 @@ impl Plan {
                 0 => format!("no {what}"),
                 _ => format!("not simulated yet; taken as diffuse: {}", names.join(", ")),
             };
-            Effect { effect, on: false, reason }
+            Effect::new(effect, false, reason)
         };
         let used: Vec<&Material> = {
             let on_faces = |k: &usize| scene.faces().iter().any(|face| face.material as usize == *k);
@@ -71,7 +89,7 @@ impl Plan {
         let carrier = |effect, what: &str, is: fn(&Surface) -> bool| {
             let names: Vec<&str> = used.iter().filter(|m| is(&m.surface)).map(|m| m.name.as_str()).collect();
             let reason = if names.is_empty() { format!("no {what}") } else { names.join(", ") };
-            Effect { effect, on: !names.is_empty(), reason }
+            Effect::new(effect, !names.is_empty(), reason)
         };
         let carriers = used.iter().any(|m| m.surface.is_carrier());
         let caustics = match (carriers, used.iter().any(|m| m.emits())) {
@@ -86,14 +104,14 @@ impl Plan {
             .collect();
         let carrier_colour = match coloured.len() {
             0 => effect("carrier colour", false, "no coloured mirror or glass"),
-            _ => Effect {
-                effect: "carrier colour",
-                on: false,
-                reason: format!(
+            _ => Effect::new(
+                "carrier colour",
+                false,
+                format!(
                     "not simulated yet; light between surfaces takes the mean of the channels of {}",
                     coloured.join(", ")
                 ),
-            },
+            ),
         };
         Self {
             effects: vec![
@@ -102,6 +120,9 @@ impl Plan {
                     reflects,
                     if reflects { "some surfaces reflect" } else { "every surface is black" },
                 ),
+                effect("occlusion rays", true, "rays look for what stands between surfaces"),
+                effect("back sides", true, "where light reaches them"),
+                lamps(&used),
                 effect(
                     "colour",
                     scene.channels() > 1,
@@ -126,6 +147,38 @@ impl Plan {
                 called_for("textures", "texture", &|k| scene.materials()[k].textured),
             ],
         }
+    }
+
+    /// The same plan with what every effect that is simulated is predicted to cost.
+    pub fn foretold(mut self, forecast: &Forecast) -> Self {
+        let parts = &forecast.parts;
+        for effect in self.effects.iter_mut().filter(|effect| effect.on) {
+            effect.cost = match effect.effect {
+                "interreflection" => parts.interreflection,
+                "occlusion rays" => parts.rows,
+                "colour" => parts.colour,
+                "back sides" => {
+                    let backs = parts.backs.round();
+                    effect.on = backs > 0.0;
+                    effect.reason = match effect.on {
+                        true => format!(
+                            "some {backs} of {} patches are backs that light may reach",
+                            forecast.patches
+                        ),
+                        false => "light reaches no back, as far as shape tells".into(),
+                    };
+                    parts.back_sides
+                }
+                "lamps" => parts.lamps,
+                "lights" => parts.lights,
+                "sky" => parts.sky,
+                "receivers" => parts.receivers,
+                "mirror" | "dielectric" => parts.carriers,
+                "caustics" => parts.caustics,
+                _ => Cost::default(),
+            };
+        }
+        self
     }
 
     /// The effects that the scene calls for and that are not simulated.

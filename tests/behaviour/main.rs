@@ -14,6 +14,7 @@ mod lights; // lights without area and skies: closed forms, energy, the path tra
 mod linear_elements; // the same rays, less mesh error, and what keeps them stable
 mod path_tracer; // closed forms and another renderer, judged by standard errors
 mod pictures; // what cameras see: ways of shading agree, nothing lit is black
+mod plan; // what is foretold of effects, patches, bytes, against what comes of it
 mod receivers; // light at points that are no patches, and what is reported in lux
 mod saved_factors; // what may change around saved form factors, and what may not
 mod structure; // modules import only from their left

@@ -9,7 +9,7 @@ use radiosity::progress::Progress;
 use radiosity::scene::{Camera, Scene, SceneError};
 use radiosity::solve::{Method, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{LightOptions, StorageKind, TraceOptions};
+use radiosity::transport::{LightOptions, Solving, StorageKind, TraceOptions};
 
 use crate::terminal::{Failure, Terminal};
 
@@ -161,6 +161,15 @@ enum SolverArg {
 }
 
 impl SolverArgs {
+    /// How the equation will be solved, as far as that is known before.
+    pub fn solving(&self) -> Solving {
+        match self.solver {
+            SolverArg::Auto => Solving::Either,
+            SolverArg::Direct => Solving::Factored,
+            SolverArg::Neumann | SolverArg::Cg => Solving::Iterated,
+        }
+    }
+
     pub fn options<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> SolveOptions<'a> {
         let method = match self.solver {
             SolverArg::Auto => Method::Auto,

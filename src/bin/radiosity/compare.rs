@@ -12,7 +12,7 @@ use radiosity::output::{
 use radiosity::scene::Scene;
 use radiosity::solve::{self, Amplification, Certainty, Report, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Sources, Transport};
+use radiosity::transport::{Plan, Sources, Transport};
 
 use crate::args::{self, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -91,7 +91,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("load", 0.0)?;
     let scene = args.scene.load()?;
     scene.require_light()?;
-    terminal.warn_of(&scene);
+    terminal.warn_of(&scene, &Plan::new(&scene));
 
     progress.at("build", 0.0)?;
     let began = Instant::now();

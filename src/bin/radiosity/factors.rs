@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use radiosity::output;
+use radiosity::output::{self, RenderOptions};
 use radiosity::patches::{Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions};
+use radiosity::transport::{Forecast, FormFactors, Keep, LightOptions, TraceOptions, Work};
 
-use crate::args::{AccuracyArgs, BasisArg, RunArgs};
+use crate::args::{AccuracyArgs, BasisArg, RunArgs, SolverArgs};
 use crate::terminal::{Failure, Terminal};
 
 /// How to get form factors.
@@ -46,6 +46,29 @@ impl FactorsArgs {
     /// How to look for lights without area.
     pub fn light<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> LightOptions<'a> {
         self.accuracy.light(run, progress)
+    }
+
+    /// What solving with these options will probably cost.
+    pub fn forecast(
+        &self,
+        tracer: &Tracer,
+        solver: &SolverArgs,
+        look: &RenderOptions,
+        run: &RunArgs,
+    ) -> Forecast {
+        let quietly = Progress::default();
+        let (tessellation, trace) = self.options(run, quietly);
+        let work = Work {
+            tessellation: &tessellation,
+            trace: &trace,
+            light: &self.light(run, quietly),
+            solving: solver.solving(),
+            memory: run.memory,
+            tolerance: solver.tolerance,
+            order: solver.order,
+            pixels: look.width * look.height,
+        };
+        Forecast::new(tracer, &work)
     }
 
     /// Cuts the scene and finds the form factors between its patches.

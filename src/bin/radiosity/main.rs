@@ -5,6 +5,7 @@ mod check;
 mod compare;
 mod factors;
 mod form_factors;
+mod plan;
 mod render;
 mod solve;
 mod terminal;
@@ -39,6 +40,7 @@ enum Command {
     /// Solves it as solve does, and writes image.png only.
     Render(render::Args),
     Compare(compare::Args),
+    Plan(plan::Args),
     FormFactors(form_factors::Args),
     /// Look for what is wrong with a mesh: leaks, slivers, winding, lamps, closure, conditioning
     #[command(mut_arg("patches", check::fewer), mut_arg("rays", check::usual))]
@@ -51,6 +53,7 @@ fn main() -> ExitCode {
         Command::Solve(args) => &args.run,
         Command::Render(args) => &args.run,
         Command::Compare(args) => &args.run,
+        Command::Plan(args) => &args.run,
         Command::FormFactors(args) => &args.run,
         Command::Check(args) => &args.run,
     };
@@ -59,6 +62,7 @@ fn main() -> ExitCode {
         Command::Solve(args) => solve::run(args, &terminal),
         Command::Render(args) => render::run(args, &terminal),
         Command::Compare(args) => compare::run(args, &terminal),
+        Command::Plan(args) => plan::run(args, &terminal),
         Command::FormFactors(args) => form_factors::run(args, &terminal),
         Command::Check(args) => check::run(args, &terminal),
     });

@@ -3,7 +3,7 @@
 use radiosity::output;
 use radiosity::solve;
 use radiosity::trace::Tracer;
-use radiosity::transport::{Sources, Transport};
+use radiosity::transport::{Plan, Sources, Transport};
 
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -29,7 +29,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("load", 0.0)?;
     let scene = args.scene.load()?;
     scene.require_light()?;
-    terminal.warn_of(&scene);
+    terminal.warn_of(&scene, &Plan::new(&scene));
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;

@@ -1,9 +1,7 @@
 //! `radiosity solve`: the main job.
 
 use radiosity::measure::{Energy, Undershoot};
-use radiosity::output::{
-    self, EnergySummary, Illuminance, PlanEntry, RenderOptions, SeriesSummary, Shading, Summary,
-};
+use radiosity::output::{self, EnergySummary, Illuminance, RenderOptions, SeriesSummary, Shading, Summary};
 use radiosity::patches::Basis;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
@@ -45,11 +43,12 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("load", 0.0)?;
     let scene = args.scene.load()?;
     scene.require_light()?;
-    let plan = Plan::new(&scene);
-    terminal.warn_of(&scene);
-
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
+    let forecast = args.factors.forecast(&tracer, &args.solver, &look, &args.run);
+    let plan = Plan::new(&scene).foretold(&forecast);
+    terminal.warn_of(&scene, &plan);
+
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
@@ -138,7 +137,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         channels: scene.channels(),
         basis: basis.name(),
         storage: factors.exchange().storage_name(),
-        plan: plan.effects.iter().cloned().map(PlanEntry::from).collect(),
+        plan,
         stages: terminal.stages(),
         series: SeriesSummary::new(&series, solution, area_unit),
         solver: solution.report.clone(),

@@ -88,11 +88,9 @@ impl Terminal {
     }
 
     /// Tells what reading a scene brought to light, and what it asks for and does not get.
-    pub fn warn_of(&self, scene: &Scene) {
+    pub fn warn_of(&self, scene: &Scene, plan: &Plan) {
         scene.warnings().iter().for_each(|warning| self.warn(warning));
-        Plan::new(scene)
-            .missing()
-            .for_each(|effect| self.warn(format_args!("{}: {}", effect.effect, effect.reason)));
+        plan.missing().for_each(|effect| self.warn(format_args!("{}: {}", effect.effect, effect.reason)));
     }
 
     /// Notes the bytes that the result of the stage under way takes.

@@ -1,0 +1,294 @@
+//! Forecast: what a run will cost in rays, seconds and bytes, told before a ray is traced.
+//!
+//! Numbers of patches and rays follow from the options, how full the matrix will be from [`Density`]. Seconds are rays × (a + b log₂ faces),
+//! and for everything that goes through memory, bytes × passes; the constants were fitted on two cores of an AMD EPYC (Zen) and are
+//! divided by the number of threads where work is shared. On another machine they are off by a factor that is about the same for
+//! all stages.
+
+use serde::Serialize;
+
+use super::blocks::MANY;
+use super::density::Density;
+use super::recipe::{BATCHES, RayCount};
+use super::storage::StorageKind;
+use super::{LightOptions, TraceOptions};
+use crate::patches::{Basis, Outlook, Tessellation};
+use crate::scene::Scene;
+use crate::trace::{Lamps, Tracer};
+
+/// What something costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Cost {
+    /// Rays.
+    pub rays: u64,
+    /// Wall-clock time.
+    pub seconds: f64,
+    /// Bytes held.
+    pub bytes: u64,
+}
+
+/// How the equation will be solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Solving {
+    /// By factors where they fit and take a second or two, else by iterations.
+    #[default]
+    Either,
+    /// By factors.
+    Factored,
+    /// By iterations.
+    Iterated,
+}
+
+/// What a run is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Work<'a> {
+    /// How the scene is cut.
+    pub tessellation: &'a Tessellation<'a>,
+    /// How form factors are traced.
+    pub trace: &'a TraceOptions<'a>,
+    /// How lights without area are looked for.
+    pub light: &'a LightOptions<'a>,
+    /// How the equation is solved.
+    pub solving: Solving,
+    /// The most bytes that factors may take.
+    pub memory: u64,
+    /// The relative residual at which iterations stop.
+    pub tolerance: f64,
+    /// The highest order of the series.
+    pub order: usize,
+    /// Pixels of the picture; 0 for none.
+    pub pixels: usize,
+}
+
+/// One stage of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StageCost {
+    /// Its name, as in `solution.json`.
+    pub name: &'static str,
+    /// What it costs.
+    #[serde(flatten)]
+    pub cost: Cost,
+}
+
+/// What a run will probably cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Forecast {
+    /// Number of patches n.
+    pub patches: usize,
+    /// Rays per patch.
+    pub rays: u32,
+    /// Threads that share the work.
+    pub threads: usize,
+    /// The stages, in the order in which they come.
+    pub stages: Vec<StageCost>,
+    /// Costs of single effects.
+    pub(super) parts: Parts,
+}
+
+/// What single effects cost: what is saved without them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Parts {
+    pub interreflection: Cost,
+    pub rows: Cost,
+    pub colour: Cost,
+    pub back_sides: Cost,
+    /// Patches that are backs.
+    pub backs: f64,
+    pub lamps: Cost,
+    pub carriers: Cost,
+    pub caustics: Cost,
+    pub lights: Cost,
+    pub sky: Cost,
+    pub receivers: Cost,
+}
+
+/// Seconds of one thread for a ray through a scene of so many faces, nanoseconds: a, and b for each doubling.
+const RAY: [f64; 2] = [30.0, 47.0];
+/// The same for a ray that only asks whether something is hidden.
+const SHADOW_RAY: [f64; 2] = [40.0, 13.0];
+/// Further surfaces that a ray meets once it has met a mirror or glass.
+const CARRIERS_MET: f64 = 1.2;
+/// Nanoseconds of one thread to sort a landing into the matrix.
+const LANDING: f64 = 55.0;
+/// Nanoseconds of all threads for a byte of the matrix in one product, of one channel and of several.
+const BYTE: [f64; 2] = [0.055, 0.075];
+/// Products that balancing takes.
+const BALANCING: f64 = 45.0;
+/// Multiplications and additions a second of one thread while factoring.
+const FACTORING: f64 = 5e10;
+/// Nanoseconds to read a face, to build it in, and to write a patch.
+const FACE_READ: f64 = 1100.0;
+const FACE_BUILT: f64 = 430.0;
+const PATCH_WRITTEN: f64 = 5000.0;
+/// Nanoseconds of one thread for a pixel, its rays, and how many more of them mirrors and glass make where all see them.
+const PIXEL: f64 = 400.0;
+const PIXEL_RAYS: f64 = 2.5;
+const PIXEL_CARRIED: f64 = 20.0;
+/// Rays by which a slot looks around.
+const LOOKS: f64 = 20.0;
+
+/// Whether this many factors of N unknowns fit into `memory` and take no more than a second or two.
+pub(crate) fn is_quickly_factored(n: usize, factors: usize, memory: u64) -> bool {
+    // n³/3 multiplications and additions a factor; two cores do some 10¹¹ of these a second.
+    const QUICK: f64 = 1.2e11;
+    let (n, factors) = (n as f64, factors as f64);
+    factors * n.powi(3) / 3.0 < QUICK && factors * 8.0 * n * n <= memory as f64
+}
+
+impl Forecast {
+    /// Foretells what `work` costs in a scene: cuts by arithmetic, traces nothing.
+    pub fn new(tracer: &Tracer, work: &Work) -> Self {
+        let scene = tracer.scene();
+        let outlook = Outlook::new(tracer, work.tessellation.size);
+        let patches = outlook.patches();
+        let n = patches.round() as usize;
+        let per_patch = work.trace.rays.unwrap_or(TraceOptions::usual_rays(n)).next_multiple_of(BATCHES);
+        let lamps = Lamps::of_interest(tracer, work.trace.lamp_rays_for(per_patch));
+        let lamp_rays = if lamps.is_empty() { 0 } else { work.trace.lamp_rays_for(per_patch) };
+        let count = RayCount { rays: per_patch, lamp_rays };
+        let density = Density::new(tracer, &outlook, &lamps, count, MANY);
+        let threads = rayon::current_num_threads();
+        let shared = |nanoseconds: f64| 1e-9 * nanoseconds / threads as f64;
+        let faces = scene.faces().len();
+        let through = |[a, b]: [f64; 2]| a + b * (faces.max(2) as f64).log2();
+        let (ray, shadow_ray) = (through(RAY), through(SHADOW_RAY));
+        let channels = scene.channels();
+        let each = work.trace.basis.coefficients();
+        let vector = (8 * each * n * channels) as u64;
+        let cost =
+            |rays: f64, seconds: f64, bytes: f64| Cost { rays: rays as u64, seconds, bytes: bytes as u64 };
+
+        // Rows of rays, and what lies on their way.
+        let rays = patches * f64::from(per_patch);
+        let landing_bytes = if work.trace.basis == Basis::Linear { 6.0 } else { 4.0 };
+        let rows = cost(rays, shared(rays * ray), rays * landing_bytes);
+        let met = rays * density.carried * CARRIERS_MET;
+        let carriers = cost(met, shared(met * ray), 0.0);
+        let pairs = patches * f64::from(lamp_rays);
+        let lamp_columns = cost(pairs, shared(pairs * shadow_ray), 0.0);
+        let has_caustics = tracer.has_carriers() && !lamps.is_empty();
+        let shots = if has_caustics { rays / 4.0 } else { 0.0 };
+        let caustics = cost(shots, shared(shots * ray * (1.0 + density.carried * CARRIERS_MET)), 0.0);
+
+        // The matrix, and products with it.
+        let matrix = matrix_bytes(patches, work.trace, &density);
+        let pass = 1e-9 * BYTE[usize::from(channels > 1)] * matrix * 2.0 / threads.clamp(1, 2) as f64;
+        let balance = cost(0.0, shared(rays * density.landing * LANDING) + BALANCING * pass, matrix);
+        let factors = distinct_reflectances(scene);
+        let unknowns = each * n;
+        let factored = match work.solving {
+            Solving::Either => is_quickly_factored(unknowns, factors, work.memory),
+            Solving::Factored => true,
+            Solving::Iterated => false,
+        };
+        let orders = orders_for(density.reflected, work.tolerance).min(work.order as f64);
+        let series = cost(0.0, orders * pass, 3.0 * vector as f64);
+        let (factor, solve) = if factored {
+            let operations = factors as f64 * (unknowns as f64).powi(3) / 3.0;
+            let bytes = (8 * factors * unknowns * unknowns) as f64;
+            (cost(0.0, operations / FACTORING / threads as f64, bytes), cost(0.0, 4.0 * pass, 0.0))
+        } else {
+            // Conjugate gradients need about half as many passes, and bounding the error a few more.
+            (Cost::default(), cost(0.0, (0.5 * orders + 8.0) * pass, 5.0 * vector as f64))
+        };
+
+        // Lights without area, receivers, pictures, files.
+        let look = f64::from(work.light.rays);
+        let towards = |number: f64| patches * number * (look / 4.0).ceil();
+        let to_lights = towards(scene.lights().count() as f64);
+        let to_sky = if scene.sky().is_some() { patches * look } else { 0.0 };
+        let lights = cost(to_lights, shared(to_lights * shadow_ray), 0.0);
+        let sky = cost(to_sky, shared(to_sky * shadow_ray), 0.0);
+        let points: f64 = scene.receivers().iter().map(|receiver| receiver.len() as f64).sum();
+        let receivers = cost(points * look, shared(points * look * ray), 0.0);
+        let seen = work.pixels as f64 * PIXEL_RAYS * (1.0 + density.carried * PIXEL_CARRIED);
+        let render = cost(0.0, shared(work.pixels as f64 * PIXEL + seen * ray), work.pixels as f64 * 24.0);
+        let around = outlook.slots * LOOKS;
+
+        let light = Cost { bytes: if to_lights + to_sky > 0.0 { vector } else { 0 }, ..sum(&[lights, sky]) };
+        let all = [
+            ("load", cost(0.0, 1e-9 * faces as f64 * FACE_READ, 0.0)),
+            ("build", cost(0.0, 1e-9 * faces as f64 * FACE_BUILT, 0.0)),
+            ("patch", cost(around, shared(around * ray), outlook.slots * 40.0)),
+            ("trace", sum(&[rows, carriers, lamp_columns, caustics])),
+            ("balance", balance),
+            ("light", light),
+            ("factor", factor),
+            ("solve", solve),
+            ("series", series),
+            ("receive", receivers),
+            ("render", render),
+            ("write", cost(0.0, 1e-9 * patches * PATCH_WRITTEN, 0.0)),
+        ];
+        let stages = all.into_iter().filter(|(_, cost)| *cost != Cost::default());
+        let interreflection = sum(&[rows, balance, factor, solve, series]);
+        let backs: f64 = outlook.patches_of.iter().map(|sides| sides[1]).sum();
+        let share = |cost: Cost, part: f64| Cost {
+            rays: (cost.rays as f64 * part) as u64,
+            seconds: cost.seconds * part,
+            bytes: (cost.bytes as f64 * part) as u64,
+        };
+        let others = share(sum(&[solve, series]), 0.3);
+        let parts = Parts {
+            interreflection,
+            rows,
+            colour: if channels > 1 { others } else { Cost::default() },
+            back_sides: share(interreflection, backs / patches.max(1.0)),
+            backs,
+            lamps: lamp_columns,
+            carriers,
+            caustics,
+            lights,
+            sky,
+            receivers,
+        };
+        Self {
+            patches: n,
+            rays: per_patch,
+            threads,
+            stages: stages.map(|(name, cost)| StageCost { name, cost }).collect(),
+            parts,
+        }
+    }
+
+    /// All stages together: rays, seconds, and the bytes of what is held at once: rays and matrix, or matrix and factors.
+    pub fn total(&self) -> Cost {
+        let of = |names: &[&str]| -> u64 {
+            self.stages.iter().filter(|s| names.contains(&s.name)).map(|s| s.cost.bytes).sum()
+        };
+        let bytes = of(&["patch", "balance", "light"])
+            + of(&["trace"]).max(of(&["factor", "solve", "series", "render"]));
+        Cost { bytes, ..sum(&self.stages.iter().map(|stage| stage.cost).collect::<Vec<_>>()) }
+    }
+}
+
+fn sum(costs: &[Cost]) -> Cost {
+    costs.iter().fold(Cost::default(), |sum, cost| Cost {
+        rays: sum.rays + cost.rays,
+        seconds: sum.seconds + cost.seconds,
+        bytes: sum.bytes + cost.bytes,
+    })
+}
+
+/// Bytes of the matrix, stored as asked for.
+fn matrix_bytes(patches: f64, options: &TraceOptions, density: &Density) -> f64 {
+    let dense = 4.0 * (patches * options.basis.coefficients() as f64).powi(2);
+    match (options.basis, options.storage) {
+        (_, StorageKind::Dense) => dense,
+        (Basis::Linear, _) => patches * (density.pair_bytes + 24.0),
+        (Basis::Constant, StorageKind::Auto) if 12.0 * density.found >= 4.0 * patches => dense,
+        (Basis::Constant, _) => patches * 8.0 * (density.entries + 1.0),
+    }
+}
+
+/// Orders after which the series of a scene that reflects so much has this residual.
+fn orders_for(reflected: f64, tolerance: f64) -> f64 {
+    let reflected = reflected.clamp(1e-3, 0.999);
+    (tolerance.max(1e-15).ln() / reflected.ln()).ceil().max(1.0)
+}
+
+/// Number of channels whose reflectances differ from those of all before: each is factored by itself.
+fn distinct_reflectances(scene: &Scene) -> usize {
+    let column = |c: usize| scene.materials().iter().map(move |material| material.reflectance[c]);
+    (0..scene.channels()).filter(|&c| (0..c).all(|before| !column(before).eq(column(c)))).count()
+}

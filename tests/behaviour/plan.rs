@@ -1,0 +1,113 @@
+//! The plan: what it foretells against what comes of it.
+
+use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::scene::{Material, Scene};
+use radiosity::trace::Tracer;
+use radiosity::transport::{
+    Cost, Forecast, FormFactors, LightOptions, Plan, Solving, StorageKind, TraceOptions, Work,
+};
+
+use crate::scenes::{quads, room};
+
+fn mesh(name: &str) -> Scene {
+    Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+fn forecast(tracer: &Tracer, size: PatchSize, trace: &TraceOptions, solving: Solving) -> Forecast {
+    let work = Work {
+        tessellation: &Tessellation { size, ..Default::default() },
+        trace,
+        light: &LightOptions::default(),
+        solving,
+        memory: 4 << 30,
+        tolerance: 1e-6,
+        order: 1000,
+        pixels: 0,
+    };
+    Forecast::new(tracer, &work)
+}
+
+fn stage(forecast: &Forecast, name: &str) -> Cost {
+    forecast.stages.iter().find(|stage| stage.name == name).map_or(Cost::default(), |stage| stage.cost)
+}
+
+#[test]
+fn patches_and_bytes_come_out_about_as_foretold() {
+    // To a tenth where nothing stands in the way, else to a third.
+    let (open, furnished) = (0.1, 1.0 / 3.0);
+    for (name, basis, within) in [
+        ("cornell_box", Basis::Constant, furnished),
+        ("facing_plates", Basis::Constant, open),
+        ("furnace_sphere", Basis::Constant, open),
+        ("furnished_room", Basis::Constant, furnished),
+        ("two_rooms", Basis::Constant, furnished),
+        ("cornell_box", Basis::Linear, furnished),
+        ("furnace_sphere", Basis::Linear, open),
+    ] {
+        let scene = mesh(name);
+        let tracer = Tracer::new(&scene);
+        let size = PatchSize::Count(2000);
+        let trace =
+            TraceOptions { rays: Some(128), basis, storage: StorageKind::Sparse, ..Default::default() };
+        let foretold = forecast(&tracer, size, &trace, Solving::Either);
+        let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+        let factors = FormFactors::trace(&tracer, &mut patches, &trace).unwrap();
+        let count = foretold.patches as f64 / patches.len() as f64;
+        assert!((count - 1.0).abs() < 0.1, "{name}: {} patches of {}", foretold.patches, patches.len());
+        let bytes = stage(&foretold, "balance").bytes as f64 / factors.exchange().bytes() as f64;
+        assert!((bytes - 1.0).abs() < within, "{name} {basis:?}: {bytes} of the bytes");
+    }
+}
+
+#[test]
+fn a_given_edge_and_a_given_solver_have_their_costs() {
+    let scene = mesh("furnace_cube");
+    let tracer = Tracer::new(&scene);
+    let size = PatchSize::Edge(0.1);
+    let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let trace = TraceOptions { rays: Some(100), ..Default::default() };
+    let factored = forecast(&tracer, size, &trace, Solving::Factored);
+    assert_eq!((factored.patches, factored.rays), (patches.len(), 104));
+    assert_eq!(stage(&factored, "factor").bytes, 8 * (patches.len() as u64).pow(2));
+    // Everything emits: nothing is a lamp, and all rays are those of rows.
+    assert_eq!(stage(&factored, "trace").rays, 104 * patches.len() as u64);
+    let iterated = forecast(&tracer, size, &trace, Solving::Iterated);
+    assert_eq!(stage(&iterated, "factor"), Cost::default());
+    assert!(iterated.total().bytes < factored.total().bytes);
+}
+
+#[test]
+fn what_is_not_called_for_costs_nothing() {
+    let scene = mesh("cornell_box");
+    let trace = TraceOptions::default();
+    let foretold = forecast(&Tracer::new(&scene), PatchSize::Count(1000), &trace, Solving::Either);
+    let plan = Plan::new(&scene).foretold(&foretold);
+    let of = |name: &str| plan.effects.iter().find(|effect| effect.effect == name).unwrap();
+    for name in ["mirror", "dielectric", "caustics", "lights", "sky", "receivers", "gloss", "textures"] {
+        assert_eq!((of(name).on, of(name).cost), (false, Cost::default()), "{name}");
+    }
+    assert_eq!(of("interreflection").cost.rays, 512 * foretold.patches as u64);
+    assert_eq!(of("lamps").cost.rays, 256 * foretold.patches as u64);
+    assert!(of("colour").on && of("interreflection").cost.seconds > of("colour").cost.seconds);
+    let lit = mesh("daylit_room");
+    let foretold = forecast(&Tracer::new(&lit), PatchSize::Count(1000), &trace, Solving::Either);
+    let plan = Plan::new(&lit).foretold(&foretold);
+    let sky = plan.effects.iter().find(|effect| effect.effect == "sky").unwrap();
+    assert_eq!(sky.cost.rays, 512 * foretold.patches as u64);
+    assert_eq!(stage(&foretold, "light").rays, sky.cost.rays + 128 * foretold.patches as u64);
+}
+
+#[test]
+fn only_sheets_are_expected_to_have_backs_that_light_reaches() {
+    let backs = |quads: Scene| {
+        let trace = TraceOptions::default();
+        let foretold = forecast(&Tracer::new(&quads), PatchSize::Count(500), &trace, Solving::Either);
+        let plan = Plan::new(&quads).foretold(&foretold);
+        plan.effects.into_iter().find(|effect| effect.effect == "back sides").unwrap().on
+    };
+    let glowing = || vec![Material::lamp("wall", &[0.5], &[1.0])];
+    let closed = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
+    assert!(!backs(quads(&closed, glowing())));
+    let sheet = ([[0.2, 0.2, 0.5], [0.8, 0.2, 0.5], [0.8, 0.8, 0.5], [0.2, 0.8, 0.5]], 0);
+    assert!(backs(quads(&[&closed[..], &[sheet]].concat(), glowing())));
+}
