@@ -33,6 +33,31 @@ impl Energy {
         Self::of(k, &e.clone().into(), l, unit)
     }
 
+    /// Accounts for direct light alone: irradiance `direct` (N × c) by the lamps of `sources` and its lights without area, on surfaces of
+    /// the reflectances of `k`. What they reflect is cut short and counts as lost; what lamps send out that reaches nothing has escaped,
+    /// and is told by what is left of the rest.
+    ///
+    /// # Panics
+    /// If the shapes differ.
+    pub fn of_direct_light(k: &Transport, sources: &Sources, direct: &DMatrix<f64>, unit: f64) -> Self {
+        let mass = k.mass();
+        let of = |values: &DMatrix<f64>| -> Vec<f64> {
+            values.column_iter().map(|column| unit * mass.sums().dot(&column)).collect()
+        };
+        let lost = of(&direct.component_mul(k.reflectance()));
+        let arrived = of(direct);
+        let emitted: Vec<f64> = sources.flux(mass).into_iter().map(|flux| unit * flux).collect();
+        let rest = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
+        Self {
+            absorbed: rest(&arrived, &lost),
+            escaped: rest(&emitted, &arrived),
+            carriers: vec![0.0; emitted.len()],
+            imbalance: 0.0,
+            emitted,
+            lost,
+        }
+    }
+
     /// The same with lights without area.
     ///
     /// # Panics

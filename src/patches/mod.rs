@@ -17,7 +17,7 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 
 use crate::progress::{Cancelled, Progress};
-use crate::scene::{Scene, Side};
+use crate::scene::{Feature, Scene, Side};
 use crate::trace::{Frame, Ray, Tracer, sampling};
 pub use aggregate::FaceRow;
 pub use basis::Basis;
@@ -213,7 +213,9 @@ impl<'s> Patches<'s> {
     /// Makes the given slots patches too, and numbers all patches anew.
     pub(crate) fn activate(&mut self, slots: &[u32]) {
         for &slot in slots {
-            self.patch_of_slot[slot as usize] = 0;
+            if self.is_wanted(slot) {
+                self.patch_of_slot[slot as usize] = 0;
+            }
         }
         self.slot_of_patch = (0..self.patch_of_slot.len() as u32)
             .filter(|&s| self.patch_of_slot[s as usize] != NONE)
@@ -335,7 +337,8 @@ impl<'s> Patches<'s> {
         }
         let Slot { face, side, .. } = self.slot(slot);
         let material = self.scene.material_of(face);
-        material.reflects() || (side == Side::Front && material.emits())
+        let sends_on = material.reflects() && !self.scene.is_without(Feature::Interreflection);
+        (sends_on && self.is_wanted(slot)) || (side == Side::Front && material.emits())
     }
 
     /// Patch areas A in the normalised frame, n values; multiply by [`Frame::scale`] squared for m².

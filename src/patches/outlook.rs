@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::{PatchSize, edge_for, subdivide};
-use crate::scene::Side;
+use crate::scene::{Feature, Side};
 use crate::trace::Tracer;
 
 /// How a scene will probably be cut.
@@ -70,6 +70,7 @@ fn likely_sides(tracer: &Tracer) -> Vec<[f64; 2]> {
         for (k, side) in Side::BOTH.into_iter().enumerate() {
             let lit = inside.is_none_or(|inside| inside == side) && looks_at_something(*face, side);
             let lit = lit || (from_outside && inside.is_none());
+            let lit = lit && (side == Side::Front || !scene.is_without(Feature::BackSides));
             sides[*face][k] = f64::from(u8::from(lit));
         }
     }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{Patches, Slot, Tessellation};
 use crate::progress::Cancelled;
-use crate::scene::Side;
+use crate::scene::{Feature, Side};
 use crate::trace::{Destination, Lamps, Lights, Ray, Tracer, geometry_term, sampling::Sequence};
 
 /// Which sides become patches.
@@ -193,6 +193,11 @@ impl Patches<'_> {
             })
         };
         (0..self.slots() as u32).into_par_iter().map(is_lit).collect()
+    }
+
+    /// Whether a slot may become a patch: backs may not where they are left out.
+    pub(crate) fn is_wanted(&self, slot: u32) -> bool {
+        !self.scene.is_without(Feature::BackSides) || self.slot(slot).side == Side::Front
     }
 
     fn emits(&self, slot: u32) -> bool {

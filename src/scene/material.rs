@@ -40,7 +40,7 @@ impl Surface {
         }
     }
 
-    fn colour_mut(&mut self) -> Option<&mut Vec<f64>> {
+    pub(super) fn colour_mut(&mut self) -> Option<&mut Vec<f64>> {
         match self {
             Self::Mirror { reflectance } => Some(reflectance),
             Self::Dielectric { filter, .. } => Some(filter),

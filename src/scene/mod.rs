@@ -6,6 +6,7 @@
 
 mod builtin;
 mod camera;
+mod feature;
 mod glass;
 mod light;
 mod light_settings;
@@ -25,6 +26,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 
 pub use camera::Camera;
+pub use feature::Feature;
 pub use light::Light;
 pub use material::{Material, Surface};
 pub use photometry::{EFFICACY, luminance};
@@ -62,6 +64,8 @@ pub enum FaceState {
     ZeroArea,
     /// Dropped: an earlier face has the same three corners.
     Duplicate,
+    /// Left out with the feature it belongs to.
+    LeftOut,
 }
 
 /// A triangle. Its number is its place in [`Scene::faces`], which is file order.
@@ -95,6 +99,7 @@ pub struct Scene {
     efficacy: f64,
     channels: usize,
     warnings: Vec<String>,
+    left_out: Vec<Feature>,
 }
 
 /// The raw parts of a [`Scene`], before they are checked.
@@ -291,6 +296,7 @@ impl Scene {
             efficacy,
             channels,
             warnings,
+            left_out: Vec::new(),
         })
     }
 

@@ -77,25 +77,8 @@ impl Lamps {
     pub fn new(tracer: &Tracer) -> Self {
         let scene = tracer.scene();
         let kept = |f: &u32| scene.faces()[*f as usize].state == FaceState::Kept;
-        let area = |f: u32| {
-            let [a, b, c] = tracer.corners(f as usize);
-            0.5 * (b - a).cross(c - a).length()
-        };
-        let all = (0..scene.faces().len() as u32).filter(kept);
-        let total_area: f64 = all.clone().map(area).sum();
-        let mut faces: Vec<LampFace> = all
-            .filter(|&f| scene.material_of(f as usize).emits())
-            .map(|face| {
-                let emission = &scene.material_of(face as usize).emission;
-                LampFace {
-                    face,
-                    corners: *tracer.corners(face as usize),
-                    normal: tracer.normal(face as usize, Side::Front),
-                    area: area(face),
-                    brightness: emission.iter().sum::<f64>() / emission.len() as f64,
-                }
-            })
-            .collect();
+        let total_area: f64 = (0..scene.faces().len() as u32).filter(kept).map(|f| area(tracer, f)).sum();
+        let mut faces = emitting(tracer);
         // Keep the brightest, and equally bright ones with them.
         faces.sort_by(|a, b| b.brightness.total_cmp(&a.brightness));
         let total_power: f64 = faces.iter().map(|l| l.brightness * l.area).sum();
@@ -111,7 +94,16 @@ impl Lamps {
             faces.clear();
         }
         faces.sort_by_key(|l| l.face);
-        let mut lamp_of_face = vec![NONE; scene.faces().len()];
+        Self::of(tracer, faces)
+    }
+
+    /// Every face that emits, however dim or large, for where there are no rays to find the rest.
+    pub fn all(tracer: &Tracer) -> Self {
+        Self::of(tracer, emitting(tracer))
+    }
+
+    fn of(tracer: &Tracer, faces: Vec<LampFace>) -> Self {
+        let mut lamp_of_face = vec![NONE; tracer.scene().faces().len()];
         for (k, lamp) in faces.iter().enumerate() {
             lamp_of_face[lamp.face as usize] = k as u32;
         }
@@ -207,6 +199,30 @@ impl Lamps {
             }
         }
     }
+}
+
+/// All faces that emit, by number.
+fn emitting(tracer: &Tracer) -> Vec<LampFace> {
+    let scene = tracer.scene();
+    let emits = |&f: &u32| {
+        scene.faces()[f as usize].state == FaceState::Kept && scene.material_of(f as usize).emits()
+    };
+    let lamp = |face: u32| {
+        let emission = &scene.material_of(face as usize).emission;
+        LampFace {
+            face,
+            corners: *tracer.corners(face as usize),
+            normal: tracer.normal(face as usize, Side::Front),
+            area: area(tracer, face),
+            brightness: emission.iter().sum::<f64>() / emission.len() as f64,
+        }
+    };
+    (0..scene.faces().len() as u32).filter(emits).map(lamp).collect()
+}
+
+fn area(tracer: &Tracer, face: u32) -> f64 {
+    let [a, b, c] = tracer.corners(face as usize);
+    0.5 * (b - a).cross(c - a).length()
 }
 
 impl LampFace {

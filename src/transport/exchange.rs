@@ -7,6 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use sprs::CsMatI;
 
 use super::assembly::{Leaving, Raw, assemble};
 use super::balance::{self, Closure};
@@ -99,6 +100,16 @@ impl Exchange {
         let lamps = vec![false; areas.len()];
         Self::new(Storage::Dense(dense), escape, areas, &lamps, Progress::default())
             .expect("a silent observer never cancels")
+    }
+
+    /// Nothing is exchanged between patches of these areas: all of it leaves.
+    pub(super) fn none(areas: &[f64], basis: Basis) -> Self {
+        let mass = Mass::new(basis, areas);
+        let n = mass.len();
+        let storage = Storage::Sparse(CsMatI::zero((n, n)));
+        let (scale, leaving) = (DVector::repeat(n, 1.0), mass.sums().clone());
+        let closure = Closure { before: 0.0, after: 0.0, iterations: 0 };
+        Self { storage, scale, leaving, in_carriers: None, mass, closure, shrinkage: 1.0 }
     }
 
     /// Turns the rows of patches into raw exchange areas and balances them; without batch `left_out`, if there is one.

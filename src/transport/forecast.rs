@@ -11,9 +11,10 @@ use super::blocks::MANY;
 use super::density::Density;
 use super::recipe::{BATCHES, RayCount};
 use super::storage::StorageKind;
+use super::switches::Shots;
 use super::{LightOptions, TraceOptions};
 use crate::patches::{Basis, Outlook, Tessellation};
-use crate::scene::Scene;
+use crate::scene::{Feature, Scene};
 use crate::trace::{Lamps, Tracer};
 
 /// What something costs.
@@ -159,28 +160,30 @@ impl Forecast {
             |rays: f64, seconds: f64, bytes: f64| Cost { rays: rays as u64, seconds, bytes: bytes as u64 };
 
         // Rows of rays, and what lies on their way.
-        let rays = patches * f64::from(per_patch);
+        let interreflects = !scene.is_without(Feature::Interreflection);
+        let rays = if interreflects { patches * f64::from(per_patch) } else { 0.0 };
         let landing_bytes = if work.trace.basis == Basis::Linear { 6.0 } else { 4.0 };
         let rows = cost(rays, shared(rays * ray), rays * landing_bytes);
         let met = rays * density.carried * CARRIERS_MET;
         let carriers = cost(met, shared(met * ray), 0.0);
         let pairs = patches * f64::from(lamp_rays);
         let lamp_columns = cost(pairs, shared(pairs * shadow_ray), 0.0);
-        let has_caustics = tracer.has_carriers() && !lamps.is_empty();
+        let has_caustics = work.trace.caustics == Shots::Shot && tracer.has_carriers() && !lamps.is_empty();
         let shots = if has_caustics { rays / 4.0 } else { 0.0 };
         let caustics = cost(shots, shared(shots * ray * (1.0 + density.carried * CARRIERS_MET)), 0.0);
 
         // The matrix, and products with it.
-        let matrix = matrix_bytes(patches, work.trace, &density);
+        let matrix = if interreflects { matrix_bytes(patches, work.trace, &density) } else { 0.0 };
         let pass = 1e-9 * BYTE[usize::from(channels > 1)] * matrix * 2.0 / threads.clamp(1, 2) as f64;
         let balance = cost(0.0, shared(rays * density.landing * LANDING) + BALANCING * pass, matrix);
         let factors = distinct_reflectances(scene);
         let unknowns = each * n;
-        let factored = match work.solving {
-            Solving::Either => is_quickly_factored(unknowns, factors, work.memory),
-            Solving::Factored => true,
-            Solving::Iterated => false,
-        };
+        let factored = interreflects
+            && match work.solving {
+                Solving::Either => is_quickly_factored(unknowns, factors, work.memory),
+                Solving::Factored => true,
+                Solving::Iterated => false,
+            };
         let orders = orders_for(density.reflected, work.tolerance).min(work.order as f64);
         let series = cost(0.0, orders * pass, 3.0 * vector as f64);
         let (factor, solve) = if factored {
@@ -205,12 +208,15 @@ impl Forecast {
         let render = cost(0.0, shared(work.pixels as f64 * PIXEL + seen * ray), work.pixels as f64 * 24.0);
         let around = outlook.slots * LOOKS;
 
-        let light = Cost { bytes: if to_lights + to_sky > 0.0 { vector } else { 0 }, ..sum(&[lights, sky]) };
+        let [traced, looked] =
+            if interreflects { [lamp_columns, Cost::default()] } else { [Cost::default(), lamp_columns] };
+        let straight = sum(&[lights, sky, looked]);
+        let light = Cost { bytes: if straight.rays > 0 { vector } else { 0 }, ..straight };
         let all = [
             ("load", cost(0.0, 1e-9 * faces as f64 * FACE_READ, 0.0)),
             ("build", cost(0.0, 1e-9 * faces as f64 * FACE_BUILT, 0.0)),
             ("patch", cost(around, shared(around * ray), outlook.slots * 40.0)),
-            ("trace", sum(&[rows, carriers, lamp_columns, caustics])),
+            ("trace", sum(&[rows, carriers, traced, caustics])),
             ("balance", balance),
             ("light", light),
             ("factor", factor),

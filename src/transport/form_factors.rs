@@ -6,6 +6,7 @@ use super::exchange::Exchange;
 use super::rays::Rows;
 use super::recipe::{BATCHES, RayCount, Recipe};
 use super::storage::StorageKind;
+use super::switches::Shots;
 use crate::patches::{Basis, Patches};
 use crate::progress::Progress;
 use crate::trace::{Tracer, sampling};
@@ -34,6 +35,8 @@ pub struct TraceOptions<'a> {
     /// How light varies over a patch. Linear elements take the same rays, thrice the unknowns, and two to four times the bytes
     /// and the time per pass of constant ones.
     pub basis: Basis,
+    /// Whether lamps shoot caustics.
+    pub caustics: Shots,
     /// How to store exchange areas.
     pub storage: StorageKind,
     /// The most bytes the exchange areas may take.
@@ -52,6 +55,7 @@ impl Default for TraceOptions<'_> {
             lamp_rays: None,
             seed: 0,
             basis: Basis::Constant,
+            caustics: Shots::Shot,
             storage: StorageKind::Auto,
             memory: 4 << 30,
             keep: Keep::Nothing,
@@ -65,6 +69,11 @@ impl TraceOptions<'_> {
     pub(super) fn lamp_rays_for(&self, rays: u32) -> u32 {
         let most = BATCHES * sampling::SEQUENCE_END;
         self.lamp_rays.unwrap_or(rays / 2).min(most).next_multiple_of(BATCHES)
+    }
+
+    /// Shadow rays per patch towards lamps for so many patches.
+    pub(super) fn lamp_rays_of(&self, patches: usize) -> u32 {
+        self.lamp_rays_for(self.rays.unwrap_or(Self::usual_rays(patches))).max(BATCHES)
     }
 
     /// Refuses what can't be done with so many patches, before any time is spent on it.
@@ -138,7 +147,7 @@ impl FormFactors {
         options.progress.at("trace", 0.0)?;
         let count = RayCount { rays, lamp_rays: options.lamp_rays_for(rays) };
         let recipe = Recipe { count, seed: options.seed, basis: options.basis };
-        let rows = Rows::trace(tracer, patches, recipe, options.progress)?;
+        let rows = Rows::trace(tracer, patches, recipe, options.caustics, options.progress)?;
         options.progress.at("balance", 0.0)?;
         let exchange = Exchange::from_rows(&rows, patches, options.storage, None, options.progress)?;
         let rows = (options.keep == Keep::Rays).then_some(rows);
@@ -153,6 +162,11 @@ impl FormFactors {
     /// Symmetric exchange areas S_ij = A_i F_ij, normalised frame.
     pub fn exchange(&self) -> &Exchange {
         &self.exchange
+    }
+
+    /// Those of patches between which no light goes: everything escapes. For runs without interreflection.
+    pub fn none(patches: &Patches, basis: Basis) -> Self {
+        Self { exchange: Exchange::none(patches.areas(), basis), rays: 0, rows: None }
     }
 
     /// Form factors that are known already, perhaps with their rays.

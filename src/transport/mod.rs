@@ -9,6 +9,7 @@ mod balance;
 mod blocks;
 mod caustics;
 mod density;
+mod direct_light;
 mod exchange;
 mod forecast;
 mod form_factors;
@@ -29,6 +30,7 @@ mod shrinkage;
 mod solvable;
 mod sources;
 mod storage;
+mod switches;
 
 pub use balance::Closure;
 pub use blocks::Blocks;
@@ -46,6 +48,7 @@ pub use saved::Reuse;
 pub use sections::FactorsFileError;
 pub use sources::{LightOptions, Sources};
 pub use storage::{Storage, StorageKind};
+pub use switches::{Shots, Switches, SwitchesError};
 
 use crate::patches::PatchError;
 use crate::progress::Cancelled;

@@ -11,6 +11,7 @@ use super::caustics::Caustics;
 use super::lamp_columns::{LampShare, Seen, look_at_lamps};
 use super::landing::{End, Spot};
 use super::recipe::{BATCHES, Recipe};
+use super::switches::Shots;
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
@@ -101,10 +102,14 @@ impl Rows {
         tracer: &Tracer,
         patches: &mut Patches,
         recipe: Recipe,
+        shots: Shots,
         progress: Progress,
     ) -> Result<Self, Cancelled> {
         let goals = Goals::new(tracer, patches, recipe);
-        let caustics = goals.caustics(tracer, patches, recipe, progress)?;
+        let caustics = match shots {
+            Shots::Shot => goals.caustics(tracer, patches, recipe, progress)?,
+            Shots::Skipped => Caustics::default(),
+        };
         let mut rows = Self::new(recipe, goals.lamps.faces().collect(), Vec::new(), caustics);
         rows.complete(tracer, patches, &goals, progress)?;
         Ok(rows)
@@ -245,10 +250,10 @@ fn newly_reached(patches: &Patches, rows: &Rows) -> Vec<u32> {
     let mut found: Vec<u32> = bright
         .flat_map_iter(|row| &row.landings)
         .filter_map(|end| end.slot())
-        .filter(|&slot| patches.patch_of_slot(slot).is_none())
+        .filter(|&slot| patches.patch_of_slot(slot).is_none() && patches.is_wanted(slot))
         .collect();
     let from_lamps = rows.caustics.parts().1.iter().map(|caustic| caustic.receiver);
-    found.extend(from_lamps.filter(|&slot| patches.patch_of_slot(slot).is_none()));
+    found.extend(from_lamps.filter(|&slot| patches.patch_of_slot(slot).is_none() && patches.is_wanted(slot)));
     found.sort_unstable();
     found.dedup();
     found

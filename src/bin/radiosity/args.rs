@@ -11,6 +11,7 @@ use radiosity::solve::{Method, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{LightOptions, Solving, StorageKind, TraceOptions};
 
+use crate::factors::FactorsArgs;
 use crate::terminal::{Failure, Terminal};
 
 /// What to read and where to write.
@@ -266,6 +267,16 @@ impl PictureArgs {
         let options = RenderOptions { width, height, shading, outlines, samples, seed, progress };
         options.validate()?;
         Ok(options)
+    }
+
+    /// Refuses to leave out what this way of shading simulates in any case.
+    pub fn refuse_to_leave_out(&self, scene: &Scene, factors: &FactorsArgs) -> Result<(), Failure> {
+        match self.shading {
+            ShadingArg::Flat | ShadingArg::Smooth => Ok(()),
+            ShadingArg::Gather | ShadingArg::Path => {
+                factors.refuse_to_leave_out(scene, "--shading gather and path follow light themselves")
+            }
+        }
     }
 
     pub fn exposure(&self, picture: &Picture) -> Exposure {

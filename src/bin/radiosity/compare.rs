@@ -12,7 +12,7 @@ use radiosity::output::{
 use radiosity::scene::Scene;
 use radiosity::solve::{self, Amplification, Certainty, Report, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Plan, Sources, Transport};
+use radiosity::transport::{Sources, Transport};
 
 use crate::args::{self, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -89,9 +89,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     };
     look.validate()?;
     progress.at("load", 0.0)?;
-    let scene = args.scene.load()?;
-    scene.require_light()?;
-    terminal.warn_of(&scene, &Plan::new(&scene));
+    let (scene, _) = args.factors.settle(args.scene.load()?, terminal)?;
+    args.factors.refuse_to_leave_out(&scene, "the path-traced reference follows all light")?;
 
     progress.at("build", 0.0)?;
     let began = Instant::now();

@@ -3,10 +3,13 @@
 use std::path::PathBuf;
 
 use radiosity::output::{self, RenderOptions};
-use radiosity::patches::{Patches, Tessellation};
+use radiosity::patches::{Basis, Patches, Tessellation};
 use radiosity::progress::Progress;
+use radiosity::scene::{Feature, Scene};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Forecast, FormFactors, Keep, LightOptions, TraceOptions, Work};
+use radiosity::transport::{
+    Forecast, FormFactors, Keep, LightOptions, Plan, Sources, Switches, TraceOptions, Work,
+};
 
 use crate::args::{AccuracyArgs, BasisArg, RunArgs, SolverArgs};
 use crate::terminal::{Failure, Terminal};
@@ -20,6 +23,17 @@ pub struct FactorsArgs {
     /// How light varies over a patch
     #[arg(long, value_enum, default_value_t = BasisArg::Constant, help_heading = "Accuracy")]
     basis: BasisArg,
+
+    /// Which effects to simulate: auto for all that the scene calls for, or -effect to leave one out and +effect to insist, separated by
+    /// commas: interreflection, back-sides, lamps, colour, lights, sky, receivers, mirror, dielectric, caustics
+    #[arg(
+        long,
+        value_name = "LIST",
+        default_value = "auto",
+        allow_hyphen_values = true,
+        help_heading = "Effects"
+    )]
+    effects: Switches,
 
     /// Write the form factors to a file, for --factors
     #[arg(long, value_name = "FILE", help_heading = "Accuracy")]
@@ -40,12 +54,54 @@ impl FactorsArgs {
     /// How to cut and trace.
     pub fn options<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> (Tessellation<'a>, TraceOptions<'a>) {
         let trace = TraceOptions { basis: self.basis.basis(), ..self.accuracy.trace(run, progress) };
-        (self.accuracy.tessellation(run, progress), trace)
+        (self.accuracy.tessellation(run, progress), self.effects.trace(trace))
     }
 
     /// How to look for lights without area.
     pub fn light<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> LightOptions<'a> {
         self.accuracy.light(run, progress)
+    }
+
+    /// The scene without what is switched off, and the plan for it; warns of what is lost.
+    pub fn settle(&self, scene: Scene, terminal: &Terminal) -> Result<(Scene, Plan), Failure> {
+        let (scene, plan, told) = self.effects.apply(scene);
+        scene.require_light()?;
+        terminal.warn_of(&scene, &plan);
+        told.iter().for_each(|line| terminal.warn(line));
+        let direct_only = scene.is_without(Feature::Interreflection);
+        let from_file = self.factors.is_some() || self.save_factors.is_some();
+        if from_file && (direct_only || self.effects.leave_out("caustics") || self.effects.leave_out("lamps"))
+        {
+            return Err(
+                "files of form factors hold all that --effects would leave out; use one or the other".into(),
+            );
+        }
+        Ok((scene, plan))
+    }
+
+    /// Refuses to leave out what `who` simulates in any case.
+    pub fn refuse_to_leave_out(&self, scene: &Scene, who: &str) -> Result<(), Failure> {
+        let kept = [(Feature::Interreflection, "interreflection"), (Feature::BackSides, "back-sides")];
+        match kept.into_iter().find(|(feature, _)| scene.is_without(*feature)) {
+            Some((_, name)) => Err(format!("{who}: it can't do --effects -{name}").into()),
+            None => Ok(()),
+        }
+    }
+
+    /// The light that starts in the scene; without interreflection all light that arrives straight.
+    pub fn sources(
+        &self,
+        tracer: &Tracer,
+        patches: &Patches,
+        basis: Basis,
+        run: &RunArgs,
+        progress: Progress,
+    ) -> Result<Sources, Failure> {
+        let sources = Sources::trace(tracer, patches, basis, &self.light(run, progress))?;
+        if tracer.scene().is_without(Feature::Interreflection) {
+            return Ok(sources.with_lamps(tracer, patches, &self.options(run, progress).1)?);
+        }
+        Ok(sources)
     }
 
     /// What solving with these options will probably cost.
@@ -95,6 +151,11 @@ impl FactorsArgs {
                     reuse.held,
                     reuse.traced
                 ))?;
+                (patches, factors)
+            }
+            None if tracer.scene().is_without(Feature::Interreflection) => {
+                let patches = Patches::new(tracer, &tessellation)?;
+                let factors = FormFactors::none(&patches, trace.basis);
                 (patches, factors)
             }
             None => {

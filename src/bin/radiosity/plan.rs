@@ -1,7 +1,7 @@
 //! `radiosity plan`: what would be simulated, what not and why, and what it would cost.
 
 use radiosity::trace::Tracer;
-use radiosity::transport::{Cost, Plan};
+use radiosity::transport::Cost;
 
 use crate::args::{PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -30,13 +30,11 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
     let look = args.picture.options(&args.run, progress)?;
     progress.at("load", 0.0)?;
-    let scene = args.scene.load()?;
-    scene.require_light()?;
+    let (scene, plan) = args.factors.settle(args.scene.load()?, terminal)?;
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
     let forecast = args.factors.forecast(&tracer, &args.solver, &look, &args.run);
-    let plan = Plan::new(&scene).foretold(&forecast);
-    terminal.warn_of(&scene, &plan);
+    let plan = plan.foretold(&forecast);
     let total = forecast.total();
     if args.run.json {
         let summary = serde_json::json!({

@@ -3,7 +3,7 @@
 use radiosity::output;
 use radiosity::solve;
 use radiosity::trace::Tracer;
-use radiosity::transport::{Plan, Sources, Transport};
+use radiosity::transport::Transport;
 
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -27,15 +27,14 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
     let look = args.picture.options(&args.run, progress)?;
     progress.at("load", 0.0)?;
-    let scene = args.scene.load()?;
-    scene.require_light()?;
-    terminal.warn_of(&scene, &Plan::new(&scene));
+    let (scene, _) = args.factors.settle(args.scene.load()?, terminal)?;
+    args.picture.refuse_to_leave_out(&scene, &args.factors)?;
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
-    let sources = Sources::trace(&tracer, &patches, basis, &args.factors.light(&args.run, progress))?;
+    let sources = args.factors.sources(&tracer, &patches, basis, &args.run, progress)?;
     let e = sources.right_hand_side(&k);
     let solution = solve::solve(&k, &e, &args.solver.options(&args.run, progress))?;
     let camera = args::camera(&tracer, &patches);

@@ -3,9 +3,10 @@
 use radiosity::measure::{Energy, Undershoot};
 use radiosity::output::{self, EnergySummary, Illuminance, RenderOptions, SeriesSummary, Shading, Summary};
 use radiosity::patches::Basis;
+use radiosity::scene::Feature;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Exchange, Plan, ReceiverRows, Sources, Transport};
+use radiosity::transport::{Exchange, ReceiverRows, Sources, Transport};
 
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -41,18 +42,21 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
     let look = args.picture.options(&args.run, progress)?;
     progress.at("load", 0.0)?;
-    let scene = args.scene.load()?;
-    scene.require_light()?;
+    let (scene, plan) = args.factors.settle(args.scene.load()?, terminal)?;
+    args.picture.refuse_to_leave_out(&scene, &args.factors)?;
+    let direct_only = scene.is_without(Feature::Interreflection);
+    if args.lamp_groups && direct_only {
+        return Err("--lamp-groups needs interreflection; leave one of the two out".into());
+    }
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
     let forecast = args.factors.forecast(&tracer, &args.solver, &look, &args.run);
-    let plan = Plan::new(&scene).foretold(&forecast);
-    terminal.warn_of(&scene, &plan);
+    let plan = plan.foretold(&forecast);
 
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
-    let sources = Sources::trace(&tracer, &patches, basis, &args.factors.light(&args.run, progress))?;
+    let sources = args.factors.sources(&tracer, &patches, basis, &args.run, progress)?;
     let e = sources.right_hand_side(&k);
     // All lamps together, then each group of lamps by itself: one factorization serves them all.
     let groups = if args.lamp_groups { patches.sources_by_material() } else { Vec::new() };
@@ -80,7 +84,10 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let mut received = Vec::new();
     for receiver in scene.receivers() {
         let rows = ReceiverRows::trace(&tracer, &patches, basis, receiver, &light)?;
-        received.push((receiver, rows.irradiance(&solution.radiance)));
+        received.push((
+            receiver,
+            rows.irradiance(if direct_only { &sources.emitted } else { &solution.radiance }),
+        ));
     }
 
     let camera = args::camera(&tracer, &patches);
@@ -126,7 +133,13 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     args.picture.write(&picture, &mut outputs)?;
 
     let area_unit = tracer.frame().scale().powi(2);
-    let energy = Energy::of(&k, &sources, &solution.radiance, area_unit);
+    let energy = match &sources.direct {
+        Some(arrived) if direct_only => {
+            let lights = Sources::trace(&tracer, &patches, basis, &light)?;
+            Energy::of_direct_light(&k, &lights, arrived, area_unit)
+        }
+        _ => Energy::of(&k, &sources, &solution.radiance, area_unit),
+    };
     let summary = Summary {
         scene: scene.name().to_owned(),
         version: env!("CARGO_PKG_VERSION"),

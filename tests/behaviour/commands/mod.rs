@@ -1,6 +1,7 @@
 //! The program: what it writes, what it prints, and what it answers when something is wrong.
 
 mod compare;
+mod effects;
 mod plan;
 
 use std::collections::BTreeMap;

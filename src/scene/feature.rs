@@ -1,0 +1,72 @@
+//! Feature: what can be left out of a scene, to see what it is worth or to spare its cost.
+
+use super::{FaceState, Material, Scene, Surface, luminance};
+
+/// Something that a scene can do without.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Feature {
+    /// Light that surfaces reflect onto others. Without it the light of a surface is what it emits, and what it reflects of light that
+    /// comes straight from lamps, lights and sky.
+    Interreflection,
+    /// What channels differ in. Without it all colours are greys of the same luminance.
+    Colour,
+    /// Backs of faces. Without them a back is black, and nothing is known of the light on it.
+    BackSides,
+    /// Mirrors. Without them they are diffuse surfaces of the same reflectance.
+    Mirror,
+    /// Glass and water. Without them they are not there.
+    Dielectric,
+    /// Lights without area.
+    Lights,
+    /// The sky.
+    Sky,
+    /// Receivers.
+    Receivers,
+}
+
+impl Scene {
+    /// The same scene without a feature.
+    #[must_use]
+    pub fn without(mut self, feature: Feature) -> Self {
+        match feature {
+            // Whoever simulates asks for these two.
+            Feature::Interreflection | Feature::BackSides => {}
+            Feature::Colour => self.turn_grey(),
+            Feature::Mirror => self.materials.iter_mut().for_each(|material| {
+                if let Surface::Mirror { reflectance } = &material.surface {
+                    *material = Material::diffuse(material.name.clone(), reflectance);
+                }
+            }),
+            Feature::Dielectric => {
+                for face in &mut self.faces {
+                    let surface = &self.materials[face.material as usize].surface;
+                    if face.state == FaceState::Kept && matches!(surface, Surface::Dielectric { .. }) {
+                        face.state = FaceState::LeftOut;
+                    }
+                }
+            }
+            Feature::Lights => self.lights.clear(),
+            Feature::Sky => self.sky = None,
+            Feature::Receivers => self.receivers.clear(),
+        }
+        self.left_out.push(feature);
+        self
+    }
+
+    /// Whether a feature was left out.
+    pub fn is_without(&self, feature: Feature) -> bool {
+        self.left_out.contains(&feature)
+    }
+
+    fn turn_grey(&mut self) {
+        let grey = |colour: &mut Vec<f64>| *colour = vec![luminance(colour)];
+        for material in &mut self.materials {
+            grey(&mut material.reflectance);
+            grey(&mut material.emission);
+            material.surface.colour_mut().into_iter().for_each(grey);
+        }
+        self.lights.iter_mut().for_each(|light| grey(light.power_mut()));
+        self.sky.iter_mut().for_each(|sky| grey(&mut sky.zenith));
+        self.channels = 1;
+    }
+}

@@ -1,0 +1,104 @@
+//! Direct light: the irradiance that comes straight from lamps, for runs that leave interreflection out and need no form factors.
+//!
+//! Points x on a patch are paired with points y drawn on lamps with density p, and H = E\[π Lₑ(y) V(x, y) g(x, y)/p(y)\] with g the
+//! geometry term and V whether they see each other.
+
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::{Mass, Sources, TraceOptions};
+use crate::patches::{Basis, Patches};
+use crate::progress::Cancelled;
+use crate::scene::Scene;
+use crate::trace::{Lamps, Tracer, geometry_term, sampling};
+
+/// The stream of random sequences, apart from all others.
+const STREAM: u64 = 1 << 60;
+
+/// Patches between two reports of progress.
+const CHUNK: usize = 4096;
+
+impl Sources {
+    /// The same with what lamps send straight to patches among what lights bring: [`Sources::direct`] is then all light that has not been
+    /// reflected. As many pairs of points a patch as the options have shadow rays; what comes by way of mirrors and glass is left out.
+    ///
+    /// # Errors
+    /// `Cancelled`.
+    pub fn with_lamps(
+        mut self,
+        tracer: &Tracer,
+        patches: &Patches,
+        options: &TraceOptions,
+    ) -> Result<Self, Cancelled> {
+        let basis = options.basis;
+        let look = Look {
+            tracer,
+            patches,
+            lamps: Lamps::all(tracer),
+            pairs: options.lamp_rays_of(patches.len()),
+            seed: options.seed,
+        };
+        let channels = self.emitted.ncols();
+        let each = basis.coefficients() * channels;
+        let mut moments = vec![0.0; each * patches.len()];
+        for (chunk, rows) in moments.chunks_mut(CHUNK * each).enumerate() {
+            options.progress.at("light", (chunk * CHUNK) as f64 / patches.len() as f64)?;
+            rows.par_chunks_mut(each).enumerate().for_each(|(k, row)| match basis {
+                Basis::Constant => look.add_moments::<1>(chunk * CHUNK + k, |_| [1.0], row),
+                Basis::Linear => look.add_moments::<3>(chunk * CHUNK + k, |[u, v]| [1.0 - u - v, u, v], row),
+            });
+        }
+        options.progress.at("light", 1.0)?;
+        let mut from_lamps = DMatrix::from_row_slice(self.emitted.nrows(), channels, &moments);
+        Mass::new(basis, patches.areas()).solve(&mut from_lamps, PI);
+        self.direct = Some(match self.direct {
+            Some(direct) => direct + from_lamps,
+            None => from_lamps,
+        });
+        Ok(self)
+    }
+}
+
+/// All it takes to look for lamps from a patch.
+struct Look<'a> {
+    tracer: &'a Tracer<'a>,
+    patches: &'a Patches<'a>,
+    lamps: Lamps,
+    pairs: u32,
+    seed: u64,
+}
+
+impl Look<'_> {
+    /// Adds ∫ φ_a H/π dA over a patch to `moments`, a row of channels for each of the basis functions `phi`.
+    fn add_moments<const N: usize>(
+        &self,
+        patch: usize,
+        phi: impl Fn([f64; 2]) -> [f64; N],
+        moments: &mut [f64],
+    ) {
+        let scene: &Scene = self.tracer.scene();
+        let slot = self.patches.slot_of_patch(patch);
+        let facet = self.patches.facet(self.tracer, slot);
+        let view = self.lamps.view_from(&[facet.centre()], facet.normal);
+        let worth = self.patches.areas()[patch] / f64::from(self.pairs);
+        let (sequence, stretch) = sampling::Sequence::stretch(self.seed, STREAM, slot, 0, self.pairs);
+        for k in stretch {
+            let [s, t, u, v] = sequence.point(k);
+            let from = facet.point([s, t]);
+            // Draw a point on a lamp, and see whether it is visible.
+            let Some(to) = self.lamps.sample(&view, [u, v]) else { return };
+            let g = geometry_term((from, facet.normal), (to.point, to.normal));
+            if g == 0.0 || !self.tracer.unoccluded((from, facet.face), (to.point, to.face)) {
+                continue;
+            }
+            // Add what it sends, by basis functions.
+            let emission = &scene.material_of(to.face as usize).emission;
+            let weights = phi(sampling::uniform_triangle([s, t]));
+            for (row, phi) in moments.chunks_exact_mut(emission.len()).zip(weights) {
+                row.iter_mut().zip(emission).for_each(|(sum, e)| *sum += worth * phi * g / to.pdf * e);
+            }
+        }
+    }
+}

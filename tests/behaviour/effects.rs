@@ -1,0 +1,195 @@
+//! Effects left out: what each loses, and that nothing else changes.
+
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
+use radiosity::measure::Energy;
+use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::scene::{Feature, Material, Scene, SceneParts, Side, Sky, SkyKind, luminance};
+use radiosity::solve::{self, SolveOptions};
+use radiosity::trace::Tracer;
+use radiosity::transport::{FormFactors, LightOptions, Shots, Sources, Switches, TraceOptions, Transport};
+
+use crate::scenes::{flipped, lit_quads, quads, room};
+
+const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
+
+fn mesh(name: &str) -> Scene {
+    Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+fn switched(scene: Scene, switches: &str) -> (Scene, Vec<String>) {
+    let (scene, _, told) = switches.parse::<Switches>().unwrap().apply(scene);
+    (scene, told)
+}
+
+/// The same faces of other materials.
+fn with_materials(scene: &Scene, materials: Vec<Material>) -> Scene {
+    Scene::new(SceneParts {
+        vertices: scene.vertices().to_vec(),
+        faces: scene.faces().to_vec(),
+        objects: scene.objects().to_vec(),
+        materials,
+        ..Default::default()
+    })
+    .unwrap()
+}
+
+fn cut<'s>(tracer: &Tracer<'s>, count: usize) -> Patches<'s> {
+    let size = PatchSize::Count(count);
+    Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
+}
+
+/// Irradiance of every patch, by means, with all effects the scene has.
+fn irradiance(scene: &Scene, options: &TraceOptions) -> DMatrix<f64> {
+    let tracer = Tracer::new(scene);
+    let mut patches = cut(&tracer, 400);
+    let factors = FormFactors::trace(&tracer, &mut patches, options).unwrap();
+    let k = Transport::of(&factors, &patches).unwrap();
+    let sources = Sources::trace(&tracer, &patches, options.basis, &LightOptions::default()).unwrap();
+    let solution = solve::solve(&k, &sources.right_hand_side(&k), &SolveOptions::default()).unwrap();
+    solution.under(&sources).means(options.basis).irradiance
+}
+
+/// F between parallel unit squares at distance 1 (Howell C-11).
+fn facing() -> f64 {
+    let root = 2.0f64.sqrt();
+    2.0 / PI * ((2.0 / 3.0f64.sqrt()).ln() + 2.0 * root * (1.0 / root).atan() - 2.0 * (1.0f64).atan())
+}
+
+#[test]
+fn without_interreflection_there_is_what_lamps_send_straight_and_what_of_it_is_reflected() {
+    let square = |y: f64| [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]];
+    let plates = [(square(0.0), 0), (flipped(square(1.0)), 1)];
+    let lamp = Material::lamp("lamp", &[0.9], &[2.0]);
+    let scene =
+        quads(&plates, vec![lamp, Material::diffuse("plate", &[0.8])]).without(Feature::Interreflection);
+    let tracer = Tracer::new(&scene);
+    for basis in BASES {
+        let options = TraceOptions { basis, ..Default::default() };
+        let patches = cut(&tracer, 200);
+        let factors = FormFactors::none(&patches, basis);
+        let k = Transport::of(&factors, &patches).unwrap();
+        let lights = Sources::trace(&tracer, &patches, basis, &LightOptions::default()).unwrap();
+        let sources = lights.clone().with_lamps(&tracer, &patches, &options).unwrap();
+        let e = sources.right_hand_side(&k);
+        let solution = solve::solve(&k, &e, &SolveOptions::default()).unwrap().under(&sources);
+        assert!(solution.report.residual == 0.0 && factors.exchange().closure_error() == 0.0);
+        // The plate gets F of the lamp's light, and the lamp nothing back.
+        let areas = k.mass().sums();
+        let arrived = areas.dot(&solution.irradiance.column(0));
+        let plate: f64 =
+            (0..patches.len()).filter(|&i| patches.place(i).face > 1).map(|i| patches.areas()[i]).sum();
+        let form_factor = arrived / (PI * 2.0 * plate);
+        assert!((form_factor / facing() - 1.0).abs() < 2e-3, "{basis:?}: {form_factor}");
+        // Each place reflects of it what it reflects.
+        let reflected = k.reflect(&solution.irradiance) + &lights.emitted;
+        assert!((reflected - &solution.radiance).amax() < 1e-14);
+        let energy = Energy::of_direct_light(&k, &lights, &solution.irradiance, 1.0);
+        assert!((energy.lost[0] / (energy.lost[0] + energy.absorbed[0]) - 0.8).abs() < 1e-12, "{energy:?}");
+    }
+}
+
+#[test]
+fn without_interreflection_light_is_as_among_black_surfaces() {
+    let scene = mesh("two_rooms");
+    let black = |m: &Material| Material { reflectance: vec![0.0; m.reflectance.len()], ..m.clone() };
+    let dark = with_materials(&scene, scene.materials().iter().map(black).collect());
+    let options = TraceOptions { lamp_rays: Some(512), ..Default::default() };
+    let expected = irradiance(&dark, &options);
+    let tracer = Tracer::new(&dark);
+    let patches = cut(&tracer, 400);
+    let lights = Sources::trace(&tracer, &patches, Basis::Constant, &LightOptions::default()).unwrap();
+    let direct = lights.with_lamps(&tracer, &patches, &options).unwrap().direct.unwrap();
+    let off = (&direct - &expected).norm() / expected.norm();
+    assert!(off < 0.01, "{off}");
+}
+
+#[test]
+fn without_colour_a_scene_is_the_grey_one_of_the_same_luminance() {
+    let scene = mesh("cornell_box");
+    let grey: Vec<Material> = scene
+        .materials()
+        .iter()
+        .map(|m| {
+            let [r, e] = [&m.reflectance, &m.emission].map(|colour| vec![luminance(colour)]);
+            Material::lamp(m.name.clone(), &r, &e)
+        })
+        .collect();
+    let grey = with_materials(&scene, grey);
+    let (without, told) = switched(scene, "-colour");
+    assert_eq!((without.channels(), told.len()), (1, 1));
+    let options = TraceOptions { rays: Some(64), ..Default::default() };
+    assert_eq!(irradiance(&without, &options), irradiance(&grey, &options));
+}
+
+#[test]
+fn without_its_sky_and_lights_a_scene_is_the_one_without_them() {
+    let walls = room([0.0; 3], [1.0; 3]);
+    let open: Vec<_> = walls[..4].iter().chain(&walls[5..]).map(|&quad| (quad, 0)).collect();
+    let lamp = || vec![Material::lamp("wall", &[0.5], &[1.0])];
+    let sky = Sky { kind: SkyKind::Constant, up: [0.0, 1.0, 0.0].into(), zenith: vec![3.0], ground: 0.0 };
+    let plain = quads(&open, lamp());
+    let (without, told) = switched(lit_quads(&open, lamp(), Vec::new(), Some(sky)), "-sky,-lights");
+    assert!(told[1].contains("the sky") || told[1].contains("outside"), "{told:?}");
+    assert!(told[0].contains("lights is off anyway"), "{told:?}");
+    let options = TraceOptions { rays: Some(64), ..Default::default() };
+    assert_eq!(irradiance(&without, &options), irradiance(&plain, &options));
+}
+
+#[test]
+fn without_back_sides_every_patch_is_a_front() {
+    let count = |scene: &Scene, side: Side| {
+        let tracer = Tracer::new(scene);
+        let mut patches = cut(&tracer, 300);
+        let options = TraceOptions { rays: Some(64), ..Default::default() };
+        FormFactors::trace(&tracer, &mut patches, &options).unwrap();
+        (0..patches.len()).filter(|&i| patches.place(i).side == side).count()
+    };
+    let walls = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
+    let sheet = ([[0.2, 0.2, 0.5], [0.8, 0.2, 0.5], [0.8, 0.8, 0.5], [0.2, 0.8, 0.5]], 1);
+    let materials = vec![Material::lamp("wall", &[0.5], &[1.0]), Material::diffuse("sheet", &[0.5])];
+    let scene = quads(&[&walls[..], &[sheet]].concat(), materials);
+    assert!(count(&scene, Side::Back) > 0);
+    let (without, _) = switched(scene, "-back-sides");
+    assert_eq!(count(&without, Side::Back), 0);
+    assert!(count(&without, Side::Front) > 0);
+}
+
+#[test]
+fn without_mirrors_and_glass_nothing_carries_light_on() {
+    for (name, effect) in [("mirror_room", "-mirror"), ("glass_balls", "-dielectric")] {
+        let (scene, told) = switched(mesh(name), effect);
+        assert!(!Tracer::new(&scene).has_carriers(), "{name}");
+        assert_eq!(told.len(), 1, "{told:?}");
+    }
+    // A mirror goes on to reflect as much; glass is gone, and what was behind it is what is met.
+    let (scene, _) = switched(mesh("mirror_room"), "-mirror");
+    let mirror = scene.materials().iter().find(|m| m.name.contains("mirror")).unwrap();
+    assert!(mirror.reflects(), "{mirror:?}");
+}
+
+#[test]
+fn without_caustics_the_same_light_is_found_by_rays_alone() {
+    let scene = mesh("mirror_room");
+    let with = irradiance(&scene, &TraceOptions::default());
+    let options = "-caustics".parse::<Switches>().unwrap().trace(TraceOptions::default());
+    assert_eq!(options.caustics, Shots::Skipped);
+    let without = irradiance(&scene, &options);
+    assert_ne!(with, without);
+    let off = (&with - &without).norm() / with.norm();
+    assert!(off < 0.05, "{off}");
+}
+
+#[test]
+fn what_cannot_be_switched_is_said() {
+    let error = |text: &str| text.parse::<Switches>().unwrap_err().to_string();
+    for (text, what) in [("-fog", "fog"), ("mirror", "neither"), ("+sky,-sky", "both"), ("", "neither")] {
+        let message = error(text);
+        assert!(message.contains(what) && message.contains("back-sides"), "{message}");
+    }
+    assert_eq!("auto".parse::<Switches>(), Ok(Switches::default()));
+    let (_, told) = switched(mesh("cornell_box"), "+mirror,+colour");
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].contains("no mirror"), "{told:?}");
+}
