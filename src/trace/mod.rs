@@ -8,6 +8,7 @@
 //! the cube [-1, 1]³, so that neither its size nor its place can matter. [`Frame`] converts.
 
 mod bvh;
+mod convex;
 mod lamps;
 mod lights;
 pub mod sampling;
@@ -19,6 +20,7 @@ use glam::DVec3;
 
 use crate::scene::{FaceState, Scene, Side};
 use bvh::Bvh;
+pub use convex::{Enclosure, NotConvex};
 pub use lamps::{LampPoint, LampView, Lamps, form_factor_to_triangle, geometry_term};
 pub use lights::{Beam, Lights, solid_angle};
 pub use scatter::{Destination, Scattered, fresnel};

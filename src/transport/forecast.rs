@@ -82,6 +82,8 @@ pub struct Forecast {
     pub threads: usize,
     /// The stages, in the order in which they come.
     pub stages: Vec<StageCost>,
+    /// Why rays are needed; nothing where they are not.
+    pub(super) rays_because: Option<String>,
     /// Costs of single effects.
     pub(super) parts: Parts,
 }
@@ -115,6 +117,9 @@ const LANDING: f64 = 55.0;
 const BYTE: [f64; 2] = [0.055, 0.075];
 /// Products that balancing takes.
 const BALANCING: f64 = 45.0;
+const BALANCING_EXACT: f64 = 6.0;
+/// Nanoseconds of one thread for the exact exchange area of two patches.
+const PAIR: f64 = 60.0;
 /// Multiplications and additions a second of one thread while factoring.
 const FACTORING: f64 = 5e10;
 /// Nanoseconds to read a face, to build it in, and to write a patch.
@@ -144,8 +149,11 @@ impl Forecast {
         let patches = outlook.patches();
         let n = patches.round() as usize;
         let per_patch = work.trace.rays.unwrap_or(TraceOptions::usual_rays(n)).next_multiple_of(BATCHES);
+        let interreflects = !scene.is_without(Feature::Interreflection);
+        let without_rays = work.trace.without_rays(tracer, n);
+        let is_exact = interreflects && without_rays.is_ok();
         let lamps = Lamps::of_interest(tracer, work.trace.lamp_rays_for(per_patch));
-        let lamp_rays = if lamps.is_empty() { 0 } else { work.trace.lamp_rays_for(per_patch) };
+        let lamp_rays = if lamps.is_empty() || is_exact { 0 } else { work.trace.lamp_rays_for(per_patch) };
         let count = RayCount { rays: per_patch, lamp_rays };
         let density = Density::new(tracer, &outlook, &lamps, count, MANY);
         let threads = rayon::current_num_threads();
@@ -160,10 +168,10 @@ impl Forecast {
             |rays: f64, seconds: f64, bytes: f64| Cost { rays: rays as u64, seconds, bytes: bytes as u64 };
 
         // Rows of rays, and what lies on their way.
-        let interreflects = !scene.is_without(Feature::Interreflection);
-        let rays = if interreflects { patches * f64::from(per_patch) } else { 0.0 };
+        let rays = if interreflects && !is_exact { patches * f64::from(per_patch) } else { 0.0 };
+        let exact = if is_exact { shared(0.5 * patches * patches * PAIR) } else { 0.0 };
         let landing_bytes = if work.trace.basis == Basis::Linear { 6.0 } else { 4.0 };
-        let rows = cost(rays, shared(rays * ray), rays * landing_bytes);
+        let rows = cost(rays, shared(rays * ray) + exact, rays * landing_bytes);
         let met = rays * density.carried * CARRIERS_MET;
         let carriers = cost(met, shared(met * ray), 0.0);
         let pairs = patches * f64::from(lamp_rays);
@@ -173,9 +181,14 @@ impl Forecast {
         let caustics = cost(shots, shared(shots * ray * (1.0 + density.carried * CARRIERS_MET)), 0.0);
 
         // The matrix, and products with it.
-        let matrix = if interreflects { matrix_bytes(patches, work.trace, &density) } else { 0.0 };
+        let matrix = match (interreflects, is_exact) {
+            (false, _) => 0.0,
+            (_, true) => 4.0 * patches * patches,
+            _ => matrix_bytes(patches, work.trace, &density),
+        };
         let pass = 1e-9 * BYTE[usize::from(channels > 1)] * matrix * 2.0 / threads.clamp(1, 2) as f64;
-        let balance = cost(0.0, shared(rays * density.landing * LANDING) + BALANCING * pass, matrix);
+        let balancing = if is_exact { BALANCING_EXACT } else { BALANCING };
+        let balance = cost(0.0, shared(rays * density.landing * LANDING) + balancing * pass, matrix);
         let factors = distinct_reflectances(scene);
         let unknowns = each * n;
         let factored = interreflects
@@ -250,7 +263,8 @@ impl Forecast {
         };
         Self {
             patches: n,
-            rays: per_patch,
+            rays: if is_exact || !interreflects { 0 } else { per_patch },
+            rays_because: without_rays.err(),
             threads,
             stages: stages.map(|(name, cost)| StageCost { name, cost }).collect(),
             parts,

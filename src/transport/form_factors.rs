@@ -3,13 +3,14 @@
 use super::TransportError;
 use super::blocks::Blocks;
 use super::exchange::Exchange;
+use super::polygons;
 use super::rays::Rows;
 use super::recipe::{BATCHES, RayCount, Recipe};
 use super::storage::StorageKind;
 use super::switches::Shots;
 use crate::patches::{Basis, Patches};
 use crate::progress::Progress;
-use crate::trace::{Tracer, sampling};
+use crate::trace::{Enclosure, Tracer, sampling};
 
 /// What to keep of the rays once they have become exchange areas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,6 +20,17 @@ pub enum Keep {
     Nothing,
     /// All: 4 bytes a ray (6 for linear elements), for standard errors and for saving.
     Rays,
+}
+
+/// Whether rays look for what stands between surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Occlusion {
+    /// Not where the scene is empty and convex seen from inside: there form factors between polygons are exact without rays. This is for constant
+    /// elements of no more than 10 000 patches, stored densely, of which no number of rays is asked for and none are to be kept.
+    #[default]
+    WhereNeeded,
+    /// In any case.
+    Always,
 }
 
 /// How to trace form factors.
@@ -35,6 +47,8 @@ pub struct TraceOptions<'a> {
     /// How light varies over a patch. Linear elements take the same rays, thrice the unknowns, and two to four times the bytes
     /// and the time per pass of constant ones.
     pub basis: Basis,
+    /// Whether rays look for what stands between surfaces.
+    pub occlusion: Occlusion,
     /// Whether lamps shoot caustics.
     pub caustics: Shots,
     /// How to store exchange areas.
@@ -55,6 +69,7 @@ impl Default for TraceOptions<'_> {
             lamp_rays: None,
             seed: 0,
             basis: Basis::Constant,
+            occlusion: Occlusion::WhereNeeded,
             caustics: Shots::Shot,
             storage: StorageKind::Auto,
             memory: 4 << 30,
@@ -74,6 +89,29 @@ impl TraceOptions<'_> {
     /// Shadow rays per patch towards lamps for so many patches.
     pub(super) fn lamp_rays_of(&self, patches: usize) -> u32 {
         self.lamp_rays_for(self.rays.unwrap_or(Self::usual_rays(patches))).max(BATCHES)
+    }
+
+    /// How an empty convex scene surrounds its inside, if rays are not needed for so many patches of it.
+    ///
+    /// # Errors
+    /// Why rays are traced, in a few words.
+    pub fn without_rays(&self, tracer: &Tracer, patches: usize) -> Result<Enclosure, String> {
+        if self.occlusion == Occlusion::Always {
+            return Err("they are asked for".into());
+        }
+        let enclosure =
+            tracer.enclosure().map_err(|why| format!("the scene is not empty and convex: {why}"))?;
+        let dense = 4 * (patches as u64).pow(2);
+        let reason = match () {
+            _ if self.basis == Basis::Linear => "exact form factors are for constant elements",
+            _ if self.rays.is_some() => "a number of them is asked for",
+            _ if self.keep == Keep::Rays => "they are to be kept",
+            _ if self.storage == StorageKind::Sparse => "a sparse matrix is asked for",
+            _ if patches > MOST_EXACT => "more than 10000 patches: rays are quicker",
+            _ if dense > self.memory => "a full matrix takes more than --memory allows",
+            _ => return Ok(enclosure),
+        };
+        Err(reason.into())
     }
 
     /// Refuses what can't be done with so many patches, before any time is spent on it.
@@ -119,6 +157,9 @@ impl TraceOptions<'_> {
     }
 }
 
+/// With more patches than this rays are quicker than all pairs.
+const MOST_EXACT: usize = 10_000;
+
 /// The form factors between patches: geometry, without reflectances and sources.
 #[derive(Clone, Debug)]
 pub struct FormFactors {
@@ -128,7 +169,8 @@ pub struct FormFactors {
 }
 
 impl FormFactors {
-    /// Traces form factors by cosine-distributed rays and balances them.
+    /// Traces form factors by cosine-distributed rays and balances them; in an empty convex scene finds them exactly, without rays
+    /// ([`Occlusion`]).
     ///
     /// Sides that no probe found but a ray now lands on are added to `patches`.
     ///
@@ -141,6 +183,10 @@ impl FormFactors {
     ) -> Result<Self, TransportError> {
         if patches.is_empty() {
             return Err(TransportError::Dark);
+        }
+        if let Ok(enclosure) = options.without_rays(tracer, patches.len()) {
+            let exchange = polygons::exchange(tracer, patches, enclosure, options.progress)?;
+            return Ok(Self { exchange, rays: 0, rows: None });
         }
         options.check(patches.len())?;
         let rays = options.rays.unwrap_or(TraceOptions::usual_rays(patches.len())).next_multiple_of(BATCHES);
@@ -179,7 +225,7 @@ impl FormFactors {
         self.rows.as_ref()
     }
 
-    /// Rays per patch.
+    /// Rays per patch; 0 where they were found without.
     pub fn rays(&self) -> u32 {
         self.rays
     }

@@ -155,7 +155,18 @@ impl Plan {
         for effect in self.effects.iter_mut().filter(|effect| effect.on) {
             effect.cost = match effect.effect {
                 "interreflection" => parts.interreflection,
-                "occlusion rays" => parts.rows,
+                "occlusion rays" => match &forecast.rays_because {
+                    Some(why) => {
+                        effect.reason.clone_from(why);
+                        parts.rows
+                    }
+                    None => {
+                        effect.on = false;
+                        effect.reason =
+                            "empty and convex seen from inside: exact form factors between polygons".into();
+                        Cost::default()
+                    }
+                },
                 "colour" => parts.colour,
                 "back sides" => {
                     let backs = parts.backs.round();

@@ -2,16 +2,17 @@
 
 use std::str::FromStr;
 
-use super::{Plan, TraceOptions};
+use super::{Occlusion, Plan, TraceOptions};
 use crate::scene::{Feature, Scene};
 
 /// Effects that can be left out, what each loses, and what is left out of the scene for it, if that is all.
-const SWITCHES: [(&str, &str, Option<Feature>); 10] = [
+const SWITCHES: [(&str, &str, Option<Feature>); 11] = [
     (
         "interreflection",
         "surfaces light no others: what comes straight from lamps, lights and sky is all there is",
         Some(Feature::Interreflection),
     ),
+    (OCCLUSION_RAYS, "", None),
     ("back sides", "the backs of surfaces are black, and nothing is told of them", Some(Feature::BackSides)),
     ("lamps", "lamps are found by the rays of rows alone: direct light is noisier", None),
     ("colour", "everything is grey, of the luminance of its colour", Some(Feature::Colour)),
@@ -30,6 +31,9 @@ const SWITCHES: [(&str, &str, Option<Feature>); 10] = [
         None,
     ),
 ];
+
+/// What can be insisted on, and is left out by itself where it can be.
+const OCCLUSION_RAYS: &str = "occlusion rays";
 
 /// Which effects to switch off, and which not to; the rest is as a scene calls for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -94,6 +98,12 @@ impl Switches {
         let mut told = Vec::new();
         for (name, lost, feature) in SWITCHES {
             let Some(effect) = plan.effects.iter_mut().find(|effect| effect.effect == name) else { continue };
+            if name == OCCLUSION_RAYS {
+                if self.off.contains(&name) {
+                    told.push(format!("{name} are left out by themselves where a scene is empty and convex, and nowhere else"));
+                }
+                continue;
+            }
             match (effect.on, self.off.contains(&name), self.on.contains(&name)) {
                 (true, true, _) => {
                     told.push(format!("{name} is switched off: {lost}"));
@@ -113,7 +123,8 @@ impl Switches {
     pub fn trace<'a>(&self, options: TraceOptions<'a>) -> TraceOptions<'a> {
         let lamp_rays = if self.leave_out("lamps") { Some(0) } else { options.lamp_rays };
         let caustics = if self.leave_out("caustics") { Shots::Skipped } else { options.caustics };
-        TraceOptions { lamp_rays, caustics, ..options }
+        let occlusion = if self.on.contains(&OCCLUSION_RAYS) { Occlusion::Always } else { options.occlusion };
+        TraceOptions { lamp_rays, caustics, occlusion, ..options }
     }
 }
 

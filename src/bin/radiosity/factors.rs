@@ -25,7 +25,7 @@ pub struct FactorsArgs {
     basis: BasisArg,
 
     /// Which effects to simulate: auto for all that the scene calls for, or -effect to leave one out and +effect to insist, separated by
-    /// commas: interreflection, back-sides, lamps, colour, lights, sky, receivers, mirror, dielectric, caustics
+    /// commas: interreflection, occlusion-rays, back-sides, lamps, colour, lights, sky, receivers, mirror, dielectric, caustics
     #[arg(
         long,
         value_name = "LIST",
@@ -53,7 +53,8 @@ pub struct FactorsArgs {
 impl FactorsArgs {
     /// How to cut and trace.
     pub fn options<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> (Tessellation<'a>, TraceOptions<'a>) {
-        let trace = TraceOptions { basis: self.basis.basis(), ..self.accuracy.trace(run, progress) };
+        let keep = if self.save_factors.is_some() { Keep::Rays } else { Keep::Nothing };
+        let trace = TraceOptions { basis: self.basis.basis(), keep, ..self.accuracy.trace(run, progress) };
         (self.accuracy.tessellation(run, progress), self.effects.trace(trace))
     }
 
@@ -135,14 +136,12 @@ impl FactorsArgs {
         terminal: &Terminal,
     ) -> Result<(Patches<'s>, FormFactors), Failure> {
         let progress = terminal.progress();
-        let keep = if self.save_factors.is_some() { Keep::Rays } else { Keep::Nothing };
         let (tessellation, trace) = self.options(run, progress);
-        let trace = TraceOptions { keep, ..trace };
         let (patches, factors) = match &self.factors {
             Some(path) => {
                 let refused = |e: &dyn std::fmt::Display| format!("cannot use {}: {e}", path.display());
                 let mut file = std::fs::File::open(path).map_err(|e| refused(&e))?;
-                let loaded = FormFactors::load(&mut file, tracer, &tessellation, trace.storage, keep);
+                let loaded = FormFactors::load(&mut file, tracer, &tessellation, trace.storage, trace.keep);
                 let (patches, factors, reuse) = loaded.map_err(|e| refused(&e))?;
                 let balanced = if reuse.balanced { "" } else { ", balanced anew" };
                 terminal.say(format_args!(
@@ -159,7 +158,9 @@ impl FactorsArgs {
                 (patches, factors)
             }
             None => {
-                trace.check(self.accuracy.wanted_patches())?;
+                if trace.without_rays(tracer, self.accuracy.wanted_patches()).is_err() {
+                    trace.check(self.accuracy.wanted_patches())?;
+                }
                 let mut patches = Patches::new(tracer, &tessellation)?;
                 let factors = FormFactors::trace(tracer, &mut patches, &trace)?;
                 (patches, factors)
