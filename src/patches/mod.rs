@@ -6,6 +6,7 @@
 
 mod aggregate;
 mod basis;
+mod clusters;
 mod groups;
 mod outlook;
 mod sides;
@@ -21,6 +22,7 @@ use crate::scene::{Feature, Scene, Side};
 use crate::trace::{Frame, Ray, Tracer, sampling};
 pub use aggregate::FaceRow;
 pub use basis::Basis;
+pub use clusters::Clusters;
 pub use groups::{Group, GroupBy, Groups};
 pub use outlook::Outlook;
 pub use sides::Reach;

@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use super::sources::PARTS;
 use super::{Mass, Sources, TraceOptions};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
@@ -41,7 +42,9 @@ impl Sources {
             seed: options.seed,
         };
         let channels = self.emitted.ncols();
-        let each = basis.coefficients() * channels;
+        // Each eighth of the pairs by itself.
+        let values = basis.coefficients() * channels;
+        let each = PARTS * values;
         let mut moments = vec![0.0; each * patches.len()];
         for (chunk, rows) in moments.chunks_mut(CHUNK * each).enumerate() {
             options.progress.at("light", (chunk * CHUNK) as f64 / patches.len() as f64)?;
@@ -51,12 +54,24 @@ impl Sources {
             });
         }
         options.progress.at("light", 1.0)?;
-        let mut from_lamps = DMatrix::from_row_slice(self.emitted.nrows(), channels, &moments);
-        Mass::new(basis, patches.areas()).solve(&mut from_lamps, PI);
-        self.direct = Some(match self.direct {
-            Some(direct) => direct + from_lamps,
-            None => from_lamps,
-        });
+        let mass = Mass::new(basis, patches.areas());
+        let mut parts: Vec<DMatrix<f64>> = (0..PARTS)
+            .map(|part| {
+                let rows = moments.chunks_exact(values).skip(part).step_by(PARTS);
+                let mut field =
+                    DMatrix::from_row_iterator(self.emitted.nrows(), channels, rows.flatten().copied());
+                mass.solve(&mut field, PI);
+                field
+            })
+            .collect();
+        let whole = parts.iter().fold(DMatrix::zeros(self.emitted.nrows(), channels), |sum, part| sum + part);
+        parts.iter_mut().for_each(|part| *part = &*part * PARTS as f64 - &whole);
+        self.direct = Some(self.direct.map_or_else(|| whole.clone(), |direct| direct + &whole));
+        if self.spread.is_empty() {
+            self.spread = parts;
+        } else {
+            self.spread.iter_mut().zip(parts).for_each(|(all, part)| *all += part);
+        }
         Ok(self)
     }
 }
@@ -71,7 +86,8 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Adds ∫ φ_a H/π dA over a patch to `moments`, a row of channels for each of the basis functions `phi`.
+    /// Adds ∫ φ_a H/π dA over a patch to `moments`: for each eighth of the pairs a row of channels for each of the basis
+    /// functions `phi`.
     fn add_moments<const N: usize>(
         &self,
         patch: usize,
@@ -84,7 +100,9 @@ impl Look<'_> {
         let view = self.lamps.view_from(&[facet.centre()], facet.normal);
         let worth = self.patches.areas()[patch] / f64::from(self.pairs);
         let (sequence, stretch) = sampling::Sequence::stretch(self.seed, STREAM, slot, 0, self.pairs);
+        let first = stretch.start;
         for k in stretch {
+            let part = (k - first) as usize * PARTS / self.pairs as usize;
             let [s, t, u, v] = sequence.point(k);
             let from = facet.point([s, t]);
             // Draw a point on a lamp, and see whether it is visible.
@@ -96,7 +114,8 @@ impl Look<'_> {
             // Add what it sends, by basis functions.
             let emission = &scene.material_of(to.face as usize).emission;
             let weights = phi(sampling::uniform_triangle([s, t]));
-            for (row, phi) in moments.chunks_exact_mut(emission.len()).zip(weights) {
+            let of_part = &mut moments[part * N * emission.len()..][..N * emission.len()];
+            for (row, phi) in of_part.chunks_exact_mut(emission.len()).zip(weights) {
                 row.iter_mut().zip(emission).for_each(|(sum, e)| *sum += worth * phi * g / to.pdf * e);
             }
         }

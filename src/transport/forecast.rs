@@ -163,7 +163,7 @@ impl Forecast {
         let (ray, shadow_ray) = (through(RAY), through(SHADOW_RAY));
         let channels = scene.channels();
         let each = work.trace.basis.coefficients();
-        let vector = (8 * each * n * channels) as u64;
+        let vector = (8 * each * channels) as f64 * patches;
         let cost =
             |rays: f64, seconds: f64, bytes: f64| Cost { rays: rays as u64, seconds, bytes: bytes as u64 };
 
@@ -198,14 +198,14 @@ impl Forecast {
                 Solving::Iterated => false,
             };
         let orders = orders_for(density.reflected, work.tolerance).min(work.order as f64);
-        let series = cost(0.0, orders * pass, 3.0 * vector as f64);
+        let series = cost(0.0, orders * pass, 3.0 * vector);
         let (factor, solve) = if factored {
             let operations = factors as f64 * (unknowns as f64).powi(3) / 3.0;
-            let bytes = (8 * factors * unknowns * unknowns) as f64;
+            let bytes = 8.0 * factors as f64 * (unknowns as f64).powi(2);
             (cost(0.0, operations / FACTORING / threads as f64, bytes), cost(0.0, 4.0 * pass, 0.0))
         } else {
             // Conjugate gradients need about half as many passes, and bounding the error a few more.
-            (Cost::default(), cost(0.0, (0.5 * orders + 8.0) * pass, 5.0 * vector as f64))
+            (Cost::default(), cost(0.0, (0.5 * orders + 8.0) * pass, 5.0 * vector))
         };
 
         // Lights without area, receivers, pictures, files.
@@ -224,7 +224,7 @@ impl Forecast {
         let [traced, looked] =
             if interreflects { [lamp_columns, Cost::default()] } else { [Cost::default(), lamp_columns] };
         let straight = sum(&[lights, sky, looked]);
-        let light = Cost { bytes: if straight.rays > 0 { vector } else { 0 }, ..straight };
+        let light = Cost { bytes: if straight.rays > 0 { vector as u64 } else { 0 }, ..straight };
         let all = [
             ("load", cost(0.0, 1e-9 * faces as f64 * FACE_READ, 0.0)),
             ("build", cost(0.0, 1e-9 * faces as f64 * FACE_BUILT, 0.0)),

@@ -101,17 +101,24 @@ impl TraceOptions<'_> {
         }
         let enclosure =
             tracer.enclosure().map_err(|why| format!("the scene is not empty and convex: {why}"))?;
-        let dense = 4 * (patches as u64).pow(2);
         let reason = match () {
             _ if self.basis == Basis::Linear => "exact form factors are for constant elements",
             _ if self.rays.is_some() => "a number of them is asked for",
             _ if self.keep == Keep::Rays => "they are to be kept",
             _ if self.storage == StorageKind::Sparse => "a sparse matrix is asked for",
             _ if patches > MOST_EXACT => "more than 10000 patches: rays are quicker",
-            _ if dense > self.memory => "a full matrix takes more than --memory allows",
+            _ if 4 * (patches as u64).pow(2) > self.memory => "a full matrix takes more than --memory allows",
             _ => return Ok(enclosure),
         };
         Err(reason.into())
+    }
+
+    /// How rows of so many patches are traced.
+    pub(super) fn recipe(&self, patches: usize) -> Result<Recipe, TransportError> {
+        self.check(patches)?;
+        let rays = self.rays.unwrap_or(Self::usual_rays(patches)).next_multiple_of(BATCHES);
+        let count = RayCount { rays, lamp_rays: self.lamp_rays_for(rays) };
+        Ok(Recipe { count, seed: self.seed, basis: self.basis })
     }
 
     /// Refuses what can't be done with so many patches, before any time is spent on it.
@@ -119,7 +126,11 @@ impl TraceOptions<'_> {
     /// # Errors
     /// `Rays` or `Memory`.
     pub fn check(&self, patches: usize) -> Result<(), TransportError> {
-        let rays = self.rays.unwrap_or(Self::usual_rays(patches));
+        self.check_rays(patches, self.rays.unwrap_or(Self::usual_rays(patches)))
+    }
+
+    /// The same for so many rays.
+    pub(super) fn check_rays(&self, patches: usize, rays: u32) -> Result<(), TransportError> {
         let most = BATCHES * sampling::SEQUENCE_END;
         if !(BATCHES..=most).contains(&rays) {
             return Err(TransportError::Rays { rays, most });
@@ -153,7 +164,7 @@ impl TraceOptions<'_> {
     /// Rays per patch where none are asked for: 512, and fewer from 16384 patches on, but never less than 64, for a face that is
     /// cut into many patches averages their noise.
     pub fn usual_rays(patches: usize) -> u32 {
-        ((1 << 22) / patches.max(1) as u32).clamp(64, 512).next_power_of_two()
+        ((1 << 22) / patches.max(1)).clamp(64, 512).next_power_of_two() as u32
     }
 }
 
@@ -188,11 +199,9 @@ impl FormFactors {
             let exchange = polygons::exchange(tracer, patches, enclosure, options.progress)?;
             return Ok(Self { exchange, rays: 0, rows: None });
         }
-        options.check(patches.len())?;
-        let rays = options.rays.unwrap_or(TraceOptions::usual_rays(patches.len())).next_multiple_of(BATCHES);
+        let recipe = options.recipe(patches.len())?;
+        let rays = recipe.count.rays;
         options.progress.at("trace", 0.0)?;
-        let count = RayCount { rays, lamp_rays: options.lamp_rays_for(rays) };
-        let recipe = Recipe { count, seed: options.seed, basis: options.basis };
         let rows = Rows::trace(tracer, patches, recipe, options.caustics, options.progress)?;
         options.progress.at("balance", 0.0)?;
         let exchange = Exchange::from_rows(&rows, patches, options.storage, None, options.progress)?;
@@ -223,6 +232,11 @@ impl FormFactors {
     /// The rays, if they were kept.
     pub(super) fn rows(&self) -> Option<&Rows> {
         self.rows.as_ref()
+    }
+
+    /// The rays alone, if they were kept.
+    pub(super) fn into_rows(self) -> Option<Rows> {
+        self.rows
     }
 
     /// Rays per patch; 0 where they were found without.

@@ -18,7 +18,9 @@ mod lamp_columns;
 mod lanczos;
 mod landing;
 mod mass;
+mod merged;
 mod moments;
+mod more_rays;
 mod operator;
 mod plan;
 mod polygons;
@@ -30,6 +32,7 @@ mod sections;
 mod shrinkage;
 mod solvable;
 mod sources;
+mod spread;
 mod storage;
 mod switches;
 
@@ -48,6 +51,7 @@ pub use receivers::ReceiverRows;
 pub use saved::Reuse;
 pub use sections::FactorsFileError;
 pub use sources::{LightOptions, Sources};
+pub use spread::Spread;
 pub use storage::{Storage, StorageKind};
 pub use switches::{Shots, Switches, SwitchesError};
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use radiosity::output::{self, RenderOptions};
-use radiosity::patches::{Basis, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Feature, Scene};
 use radiosity::trace::Tracer;
@@ -96,25 +96,29 @@ impl FactorsArgs {
         patches: &Patches,
         basis: Basis,
         run: &RunArgs,
-        progress: Progress,
+        light: &LightOptions,
     ) -> Result<Sources, Failure> {
-        let sources = Sources::trace(tracer, patches, basis, &self.light(run, progress))?;
+        let sources = Sources::trace(tracer, patches, basis, light)?;
         if tracer.scene().is_without(Feature::Interreflection) {
-            return Ok(sources.with_lamps(tracer, patches, &self.options(run, progress).1)?);
+            return Ok(sources.with_lamps(tracer, patches, &self.options(run, light.progress).1)?);
         }
         Ok(sources)
     }
 
-    /// What solving with these options will probably cost.
+    /// What solving with these options will probably cost, or with as many patches and rays as were chosen else.
     pub fn forecast(
         &self,
         tracer: &Tracer,
         solver: &SolverArgs,
-        look: &RenderOptions,
+        (look, chosen): (&RenderOptions, Option<(usize, u32)>),
         run: &RunArgs,
     ) -> Forecast {
         let quietly = Progress::default();
-        let (tessellation, trace) = self.options(run, quietly);
+        let (mut tessellation, mut trace) = self.options(run, quietly);
+        if let Some((patches, rays)) = chosen {
+            tessellation.size = PatchSize::Count(patches);
+            trace.rays = Some(rays);
+        }
         let work = Work {
             tessellation: &tessellation,
             trace: &trace,
@@ -128,20 +132,22 @@ impl FactorsArgs {
         Forecast::new(tracer, &work)
     }
 
-    /// Cuts the scene and finds the form factors between its patches.
+    /// Cuts the scene and finds the form factors between its patches, with or without their rays.
     pub fn obtain<'s>(
         &self,
         tracer: &Tracer<'s>,
         run: &RunArgs,
+        keep: Keep,
         terminal: &Terminal,
     ) -> Result<(Patches<'s>, FormFactors), Failure> {
         let progress = terminal.progress();
         let (tessellation, trace) = self.options(run, progress);
+        let keep = if trace.keep == Keep::Rays { Keep::Rays } else { keep };
         let (patches, factors) = match &self.factors {
             Some(path) => {
                 let refused = |e: &dyn std::fmt::Display| format!("cannot use {}: {e}", path.display());
                 let mut file = std::fs::File::open(path).map_err(|e| refused(&e))?;
-                let loaded = FormFactors::load(&mut file, tracer, &tessellation, trace.storage, trace.keep);
+                let loaded = FormFactors::load(&mut file, tracer, &tessellation, trace.storage, keep);
                 let (patches, factors, reuse) = loaded.map_err(|e| refused(&e))?;
                 let balanced = if reuse.balanced { "" } else { ", balanced anew" };
                 terminal.say(format_args!(
@@ -162,7 +168,9 @@ impl FactorsArgs {
                     trace.check(self.accuracy.wanted_patches())?;
                 }
                 let mut patches = Patches::new(tracer, &tessellation)?;
-                let factors = FormFactors::trace(tracer, &mut patches, &trace)?;
+                // Where no rays are needed there are none to be kept.
+                let keep = if trace.without_rays(tracer, patches.len()).is_ok() { trace.keep } else { keep };
+                let factors = FormFactors::trace(tracer, &mut patches, &TraceOptions { keep, ..trace })?;
                 (patches, factors)
             }
         };

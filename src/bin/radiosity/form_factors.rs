@@ -8,7 +8,7 @@ use radiosity::output::{self, FactorFormat, FactorTable};
 use radiosity::patches::{GroupBy, Groups, Patches, Reach, Tessellation};
 use radiosity::scene::Scene;
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, Keep, Plan, TraceOptions};
+use radiosity::transport::{FormFactors, Keep, Occlusion, Plan, TraceOptions};
 
 use crate::args::{AccuracyArgs, RunArgs, SceneArgs};
 use crate::terminal::{Failure, Terminal};
@@ -94,7 +94,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
 
     let by = args.group_by(&scene);
     let keep = if by == GroupBy::Patch { Keep::Nothing } else { Keep::Rays };
-    let options = TraceOptions { lamp_rays: Some(0), keep, ..args.accuracy.trace(&args.run, progress) };
+    let occlusion = Occlusion::Always;
+    let options =
+        TraceOptions { lamp_rays: Some(0), keep, occlusion, ..args.accuracy.trace(&args.run, progress) };
     let factors = match patches.is_empty() {
         true => None,
         false => Some(FormFactors::trace(&tracer, &mut patches, &options)?),

@@ -3,7 +3,7 @@
 use radiosity::output;
 use radiosity::solve;
 use radiosity::trace::Tracer;
-use radiosity::transport::Transport;
+use radiosity::transport::{Keep, Transport};
 
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -31,10 +31,16 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     args.picture.refuse_to_leave_out(&scene, &args.factors)?;
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
-    let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
+    let (patches, factors) = args.factors.obtain(&tracer, &args.run, Keep::Nothing, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
-    let sources = args.factors.sources(&tracer, &patches, basis, &args.run, progress)?;
+    let sources = args.factors.sources(
+        &tracer,
+        &patches,
+        basis,
+        &args.run,
+        &args.factors.light(&args.run, progress),
+    )?;
     let e = sources.right_hand_side(&k);
     let solution = solve::solve(&k, &e, &args.solver.options(&args.run, progress))?;
     let camera = args::camera(&tracer, &patches);

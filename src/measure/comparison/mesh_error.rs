@@ -44,7 +44,9 @@ impl MeshError {
             let mut cut =
                 Patches::new(tracer, &Tessellation { size, seed, progress: silent, ..*tessellation })?;
             let basis = factors.basis();
-            let options = TraceOptions { rays: Some(rays), seed, basis, progress: trace.progress, ..*trace };
+            // What was found without rays is held against what is found without them too.
+            let rays = (factors.rays() > 0).then_some(rays);
+            let options = TraceOptions { rays, seed, basis, progress: trace.progress, ..*trace };
             let factors = FormFactors::trace(tracer, &mut cut, &options)?;
             Ok(patches.resample(&cut, &irradiance(tracer, &cut, &factors, seed)?))
         };
