@@ -112,7 +112,7 @@ fn sides_of_surfaces(tracer: &Tracer, faces: &[usize]) -> Vec<Option<Side>> {
         let g = group[k];
         let holds_all = reach[g] == farthest;
         let front_outside = volume[g] > 0.0;
-        (!has_rim[g]).then(|| if holds_all != front_outside { Side::Front } else { Side::Back })
+        (!has_rim[g]).then_some(if holds_all != front_outside { Side::Front } else { Side::Back })
     };
     (0..faces.len()).map(side_of).collect()
 }

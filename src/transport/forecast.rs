@@ -119,7 +119,9 @@ const BYTE: [f64; 2] = [0.055, 0.075];
 const BALANCING: f64 = 45.0;
 const BALANCING_EXACT: f64 = 6.0;
 /// Nanoseconds of one thread for the exact exchange area of two patches.
-const PAIR: f64 = 60.0;
+const PAIR: f64 = 80.0;
+/// What error bars take, as a part of balancing.
+const ERRORS: f64 = 0.6;
 /// Multiplications and additions a second of one thread while factoring.
 const FACTORING: f64 = 5e10;
 /// Nanoseconds to read a face, to build it in, and to write a patch.
@@ -189,6 +191,7 @@ impl Forecast {
         let pass = 1e-9 * BYTE[usize::from(channels > 1)] * matrix * 2.0 / threads.clamp(1, 2) as f64;
         let balancing = if is_exact { BALANCING_EXACT } else { BALANCING };
         let balance = cost(0.0, shared(rays * density.landing * LANDING) + balancing * pass, matrix);
+        let errors = cost(0.0, ERRORS * balance.seconds, 0.0);
         let factors = distinct_reflectances(scene);
         let unknowns = each * n;
         let factored = interreflects
@@ -235,6 +238,7 @@ impl Forecast {
             ("factor", factor),
             ("solve", solve),
             ("series", series),
+            ("errors", errors),
             ("receive", receivers),
             ("render", render),
             ("write", cost(0.0, 1e-9 * patches * PATCH_WRITTEN, 0.0)),

@@ -54,6 +54,7 @@ const CHUNK: usize = 128;
 
 /// A front, ready to be integrated over.
 struct Polygon {
+    face: u32,
     corners: [DVec3; 3],
     normal: DVec3,
     centre: DVec3,
@@ -69,12 +70,24 @@ impl Polygon {
         let at = |[u, v, _]: [f64; 3]| a + (b - a) * u + (c - a) * v;
         let centre = facet.centre();
         let radius = [a, b, c].iter().fold(0.0f64, |most, p| most.max(p.distance(centre)));
-        let normal = facet.normal;
-        Self { corners: [a, b, c], normal, centre, radius, area, three: THREE.map(at), six: SIX.map(at) }
+        let &Facet { face, normal, .. } = facet;
+        Self {
+            face,
+            corners: [a, b, c],
+            normal,
+            centre,
+            radius,
+            area,
+            three: THREE.map(at),
+            six: SIX.map(at),
+        }
     }
 
     /// A F between two that lie in front of each other.
     fn exchange_area(&self, other: &Self) -> f64 {
+        if self.face == other.face {
+            return 0.0;
+        }
         let apart = self.centre.distance(other.centre);
         let radii = self.radius + other.radius;
         if apart > THREE_DO * radii {
@@ -224,11 +237,11 @@ mod tests {
     use super::*;
 
     /// A rectangle as two triangles, counter-clockwise seen from its front.
-    fn rectangle([a, b, c, d]: [[f64; 3]; 4]) -> [Polygon; 2] {
+    fn rectangle(face: u32, [a, b, c, d]: [[f64; 3]; 4]) -> [Polygon; 2] {
         [[a, b, c], [a, c, d]].map(|corners| {
             let corners = corners.map(DVec3::from);
             let across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-            let facet = Facet { face: 0, corners, normal: across.normalize() };
+            let facet = Facet { face, corners, normal: across.normalize() };
             Polygon::new(&facet, 0.5 * across.length())
         })
     }
@@ -259,8 +272,8 @@ mod tests {
     #[test]
     fn parallel_rectangles_have_their_closed_form() {
         for (x, y) in [(1.0, 1.0), (0.05, 0.08), (0.3, 2.0), (10.0, 7.0), (50.0, 50.0)] {
-            let low = rectangle([[0.0, 0.0, 0.0], [x, 0.0, 0.0], [x, y, 0.0], [0.0, y, 0.0]]);
-            let high = rectangle([[0.0, 0.0, 1.0], [0.0, y, 1.0], [x, y, 1.0], [x, 0.0, 1.0]]);
+            let low = rectangle(0, [[0.0, 0.0, 0.0], [x, 0.0, 0.0], [x, y, 0.0], [0.0, y, 0.0]]);
+            let high = rectangle(1, [[0.0, 0.0, 1.0], [0.0, y, 1.0], [x, y, 1.0], [x, 0.0, 1.0]]);
             let off = exchange_area(&low, &high) / (x * y) / parallel(x, y) - 1.0;
             assert!(off.abs() < 1e-7, "{x} {y}: {off}");
         }
@@ -269,8 +282,8 @@ mod tests {
     #[test]
     fn perpendicular_rectangles_with_a_common_edge_have_their_closed_form() {
         for (h, w) in [(1.0, 1.0), (0.1, 0.2), (3.0, 0.5), (0.02, 5.0)] {
-            let floor = rectangle([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, w, 0.0], [0.0, w, 0.0]]);
-            let wall = rectangle([[0.0, 0.0, 0.0], [0.0, 0.0, h], [1.0, 0.0, h], [1.0, 0.0, 0.0]]);
+            let floor = rectangle(0, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, w, 0.0], [0.0, w, 0.0]]);
+            let wall = rectangle(1, [[0.0, 0.0, 0.0], [0.0, 0.0, h], [1.0, 0.0, h], [1.0, 0.0, 0.0]]);
             let off = exchange_area(&floor, &wall) / w / perpendicular(h, w) - 1.0;
             assert!(off.abs() < 1e-7, "{h} {w}: {off}");
         }

@@ -102,7 +102,8 @@ fn rays_converge_to_what_needs_none() {
         (irradiance - &exact).norm() / exact.norm()
     };
     let (few, many) = (by_rays(64), by_rays(4096));
-    assert!(many < 2e-3 && many < 0.3 * few, "{few} {many}");
+    // At least as one over the root of their number.
+    assert!(many < few / 8.0, "{few} {many}");
 }
 
 #[test]
