@@ -78,6 +78,10 @@
 //! `sources.right_hand_side(&k)` for E, and [`Solution::under`](solve::Solution::under) to add H₀ to the irradiance.
 //! [`ReceiverRows`](transport::ReceiverRows) give the irradiance at points that are no patches.
 //!
+//! [`Plan`](transport::Plan) tells which effects a scene calls for; with a [`Forecast`](transport::Forecast) also what each will cost before a ray
+//! is traced. [`Switches`](transport::Switches) leave effects out. A scene that is empty and convex seen from inside
+//! ([`Tracer::enclosure`](trace::Tracer::enclosure)) takes no rays: its form factors are exact.
+//!
 //! # The way through the house
 //!
 //! Data flows one way, and a module imports only from those to its left:

@@ -270,10 +270,11 @@ impl Setting<'_> {
                 let own = if known.flooded[i] { scale[K * i + a] } else { 1.0 };
                 for b in (0..K).filter(|&b| there[b] != 0.0) {
                     let worth = worth * share * here[a] * there[b] * own * scale[K * j + b];
-                    for c in 0..LANES {
-                        lamps[i][c] += worth * known.field[K * j + b][c];
-                        lamps[j][c] += worth * known.field[K * i + a][c];
-                    }
+                    let add = |sums: &mut Lanes, field: &Lanes| {
+                        sums.iter_mut().zip(field).for_each(|(sum, x)| *sum += worth * x);
+                    };
+                    add(&mut lamps[i], &known.field[K * j + b]);
+                    add(&mut lamps[j], &known.field[K * i + a]);
                 }
             }
         }
@@ -296,9 +297,7 @@ impl Setting<'_> {
                 self.exchange.for_row(each * j + b, |k, area| {
                     for (batch, sums) in lamps.iter_mut().enumerate() {
                         let excess = area * excess(k / each, batch);
-                        for c in 0..LANES {
-                            sums[j][c] -= excess * known.field[k][c];
-                        }
+                        sums[j].iter_mut().zip(&known.field[k]).for_each(|(sum, x)| *sum -= excess * x);
                     }
                 });
             }

@@ -190,11 +190,14 @@ fn report(summary: &Summary, faces: usize, exchange: &Exchange) -> String {
         Basis::Constant => ("", ["error at most", "of the brightest patch, condition at most"]),
         Basis::Linear => (", linear", ["error about", "of the root mean square, condition about"]),
     };
+    let rays = match summary.rays {
+        0 => "without rays".to_owned(),
+        rays => format!("{rays} rays a patch"),
+    };
     let mut lines = vec![
         format!("{}: {faces} faces, {} patches{elements}, {channels}\n", summary.scene, summary.patches),
         format!(
-            "form factors  {} rays a patch, {:.1} MB {}; rows close to {:.0e}, from {:.0e} before balancing",
-            summary.rays,
+            "form factors  {rays}, {:.1} MB {}; rows close to {:.0e}, from {:.0e} before balancing",
             exchange.bytes() as f64 / 1e6,
             summary.storage,
             closure.after,
