@@ -191,7 +191,6 @@ impl Forecast {
         let pass = 1e-9 * BYTE[usize::from(channels > 1)] * matrix * 2.0 / threads.clamp(1, 2) as f64;
         let balancing = if is_exact { BALANCING_EXACT } else { BALANCING };
         let balance = cost(0.0, shared(rays * density.landing * LANDING) + balancing * pass, matrix);
-        let errors = cost(0.0, ERRORS * balance.seconds, 0.0);
         let factors = distinct_reflectances(scene);
         let unknowns = each * n;
         let factored = interreflects
@@ -210,6 +209,9 @@ impl Forecast {
             // Conjugate gradients need about half as many passes, and bounding the error a few more.
             (Cost::default(), cost(0.0, (0.5 * orders + 8.0) * pass, 5.0 * vector))
         };
+
+        // Error bars count with solving.
+        let solve = sum(&[solve, cost(0.0, ERRORS * balance.seconds, 0.0)]);
 
         // Lights without area, receivers, pictures, files.
         let look = f64::from(work.light.rays);
@@ -238,7 +240,6 @@ impl Forecast {
             ("factor", factor),
             ("solve", solve),
             ("series", series),
-            ("errors", errors),
             ("receive", receivers),
             ("render", render),
             ("write", cost(0.0, 1e-9 * patches * PATCH_WRITTEN, 0.0)),
