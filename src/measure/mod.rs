@@ -1,12 +1,13 @@
 //! Measure: how good an answer is, and what it is made from.
 //!
-//! [`PathTracer`] is the independent witness; [`Comparison`] holds an answer against it. [`Energy`] and the health reports need no
+//! [`PathTracer`] is the independent witness; [`Comparison`] holds an answer against it, [`Study`] many answers, with what each took. [`Energy`] and the health reports need no
 //! witness: they look at the answer itself.
 
 mod comparison;
 mod energy;
 mod health;
 mod path_tracer;
+mod study;
 mod undershoot;
 
 use crate::patches::PatchError;
@@ -20,6 +21,10 @@ pub use comparison::{
 pub use energy::Energy;
 pub use health::{Finding, Verdict, mesh_health, operator_health};
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
+pub use study::{
+    Cell, FaceError, Grid, LeftOut, Reading, ReferenceSide, Study, StudyOptions, StudyReference, StudyRow,
+    StudySolver, Want,
+};
 pub use undershoot::Undershoot;
 
 /// Why something could not be measured.
