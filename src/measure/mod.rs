@@ -22,8 +22,8 @@ pub use energy::Energy;
 pub use health::{Finding, Verdict, mesh_health, operator_health};
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
 pub use study::{
-    Cell, FaceError, Grid, LeftOut, Reading, ReferenceSide, Study, StudyOptions, StudyReference, StudyRow,
-    StudySolver, Want,
+    Cell, Conclusions, FaceError, Grid, LeftOut, OrderTrend, Reading, ReferenceSide, Slope, Solving, Study,
+    StudyOptions, StudyReference, StudyRow, StudySolver, Target, Trend, Turn, Want,
 };
 pub use undershoot::Undershoot;
 

@@ -16,6 +16,7 @@ mod npz;
 mod photometry;
 mod picture;
 mod smooth;
+mod study;
 mod summary;
 mod table;
 mod tone;
@@ -40,6 +41,9 @@ pub use self::mesh::write_ply;
 pub use self::photometry::{Illuminance, illuminance, write_photometry, write_receivers};
 pub use self::picture::{LampPart, Picture};
 pub use self::smooth::SmoothField;
+pub use self::study::{
+    StudySummary, read_study, write_study_reference, write_study_report, write_study_table,
+};
 pub use self::summary::{
     BounceSummary, EnergySummary, PlanEntry, SeriesSummary, Stage, Summary, write_summary,
 };

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use serde::Serialize;
+
 /// Each value of a knob is so many times the one before.
 const STEP: usize = 4;
 
@@ -9,7 +11,7 @@ const STEP: usize = 4;
 const FEWEST: usize = 3;
 
 /// What a study tries: every number of patches with every number of rays.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Grid {
     /// Numbers of patches to ask for, ascending.
     pub patches: Vec<usize>,
@@ -18,7 +20,7 @@ pub struct Grid {
 }
 
 /// One number of patches with one number of rays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Cell {
     /// The number of patches to ask for.
     pub patches: usize,
@@ -38,10 +40,10 @@ impl Grid {
         let ladder = |first: usize| (0..FEWEST as u32).map(move |k| first * STEP.pow(k));
         let mut grid =
             Self { patches: ladder(coarsest).collect(), rays: ladder(16).map(|rays| rays as u32).collect() };
-        // The knob with fewer values grows first.
+        // The knob with fewer values grows first; of equals patches, for their error is seldom gone while that of rays still is there.
         while let (Some(&patches), Some(&rays)) = (grid.patches.last(), grid.rays.last()) {
             let mut larger = grid.clone();
-            if larger.rays.len() <= larger.patches.len() {
+            if larger.rays.len() < larger.patches.len() {
                 larger.rays.push(rays * STEP as u32);
             } else {
                 larger.patches.push(patches * STEP);

@@ -4,24 +4,31 @@
 //! [`Grid`], and holds each answer's irradiance by face against the reference. It goes on step by step with [`Study::advance`], so that
 //! whoever runs it can keep what is there, stop, and resume another time.
 
+mod conclusions;
+mod front;
 mod grid;
 mod reference;
 mod row;
 mod runs;
+mod trend;
 
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+use serde::Serialize;
 use xxhash_rust::xxh3::Xxh3;
 
+pub use conclusions::{Conclusions, OrderTrend, Solving, Target, Turn};
 pub use grid::{Cell, Grid};
 pub use reference::{FaceError, ReferenceSide, StudyReference};
 pub use row::{Reading, StudyRow, StudySolver};
+pub use trend::{Slope, Trend};
 
 use super::MeasureError;
 use crate::patches::{Basis, PatchError, PatchSize, Patches, Tessellation};
 use crate::progress::{Observer, Progress};
+use crate::scene::Scene;
 use crate::trace::Tracer;
 use crate::transport::TransportError;
 
@@ -75,7 +82,7 @@ pub struct Study<'t, 's, 'o> {
 }
 
 /// A cell that was not measured.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LeftOut {
     /// Which.
     pub cell: Cell,
@@ -84,7 +91,8 @@ pub struct LeftOut {
 }
 
 /// What there was not enough of.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Want {
     /// So many more seconds, about.
     Seconds(f64),
@@ -234,6 +242,16 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
     /// What was measured so far.
     pub fn rows(&self) -> &[StudyRow] {
         &self.rows
+    }
+
+    /// The scene that is studied.
+    pub fn scene(&self) -> &'s Scene {
+        self.tracer.scene()
+    }
+
+    /// What was asked for.
+    pub fn options(&self) -> &StudyOptions<'o> {
+        &self.options
     }
 
     /// What is tried.

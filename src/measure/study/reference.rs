@@ -2,6 +2,9 @@
 //!
 //! Paths double until their noise is small enough or the time for them is up. A difference d from a reference of standard error σ
 //! has E d² = (true difference)² + σ², so that ΣA(d² − σ²) is an unbiased estimate of what is wrong with the answer alone.
+//!
+//! Sides on which no path finds light, such as those inside a solid that stands on a floor, are dark. What patches astride the
+//! solid's edge leak onto them is told apart, as a share of all light, and is no part of the error.
 
 use std::time::{Duration, Instant};
 
@@ -55,12 +58,20 @@ fn by_name<S: serde::Serializer>(side: &Side, serializer: S) -> Result<S::Ok, S:
 /// How far answers are from the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceError {
-    /// √(ΣA(d² − σ²) / ΣA(H² − σ²)) over all channels and answers; 0 where noise is all there is.
+    /// √(ΣA(d² − σ²) / ΣA(H² − σ²)) over all channels, answers and sides that are not dark; 0 where noise is all there is.
     pub error: f64,
     /// Its standard error, by the noise of the reference and the spread between answers.
     pub error_se: f64,
-    /// ΣA d / ΣA H.
+    /// ΣA d / ΣA H over the same.
     pub bias: f64,
+    /// ΣA H of the answers on dark sides / ΣA H of the reference.
+    pub leak: f64,
+}
+
+impl ReferenceSide {
+    fn is_dark(&self) -> bool {
+        self.mean.iter().all(|&mean| mean == 0.0)
+    }
 }
 
 impl StudyReference {
@@ -115,6 +126,16 @@ impl StudyReference {
         relative_root(noise, self.whole())
     }
 
+    /// Errors below this can't be told from nothing: two standard deviations of what noise alone makes of ΣA(d² − σ²).
+    pub fn resolution(&self) -> f64 {
+        let of = |s: &ReferenceSide| {
+            let own: f64 = s.standard_error.iter().map(|e| e * e).sum();
+            2.0 * (s.area * own).powi(2) * (1.0 + 1.0 / s.degrees_of_freedom.max(1.0))
+        };
+        let variance: f64 = self.sides.iter().map(of).sum();
+        relative_root(2.0 * variance.sqrt(), self.whole())
+    }
+
     /// ΣA(H² − σ²).
     fn whole(&self) -> f64 {
         let of = |s: &ReferenceSide| -> f64 {
@@ -132,9 +153,14 @@ impl StudyReference {
         assert!(!answers.is_empty(), "an error is of at least one answer");
         let count = answers.len() as f64;
         let mut excess = vec![0.0; answers.len()];
-        let (mut variance, mut difference, mut light) = (0.0, 0.0, 0.0);
+        let (mut variance, mut difference, mut light, mut leak) = (0.0, 0.0, 0.0, 0.0);
         for side in &self.sides {
             let found: Vec<Option<&FaceRow>> = answers.iter().map(|answer| find(answer, side)).collect();
+            if side.is_dark() {
+                let found = found.iter().flatten().flat_map(|row| &row.mean);
+                leak += side.area * found.sum::<f64>() / count;
+                continue;
+            }
             let (mut own, mut along) = (0.0, 0.0);
             for (c, (mean, error)) in side.mean.iter().zip(&side.standard_error).enumerate() {
                 let mut sum = 0.0;
@@ -163,6 +189,7 @@ impl StudyReference {
             error: root(mean),
             error_se: 0.5 * (root(mean + sigma) - root(mean - sigma)),
             bias: if light > 0.0 { difference / light } else { 0.0 },
+            leak: if light > 0.0 { leak / light } else { 0.0 },
         }
     }
 }
@@ -204,7 +231,7 @@ mod tests {
         // Differences as large as the noise are all noise.
         let noisy = reference(&[1.0, 1.0, 1.0, 1.0], 0.1);
         let all_noise = noisy.error_of(&[answer(&[1.1, 0.9, 1.1, 0.9])]);
-        assert_eq!(all_noise.error, 0.0);
+        assert!(all_noise.error < 1e-7, "rounding is all there is");
         assert!(all_noise.error_se > 0.02 && all_noise.bias.abs() < 1e-12);
         // Without noise the error is what it is.
         let sure = reference(&[1.0, 2.0], 0.0).error_of(&[answer(&[1.1, 1.8])]);
@@ -220,6 +247,12 @@ mod tests {
         assert!((error.error - 0.05f64.sqrt()).abs() < 1e-12, "the mean of the squares");
         // Excesses 0.01 and 0.09: their mean has a standard error of 0.04, and the root's slope is 1 / (2 · 0.224).
         assert!((error.error_se - 0.1).abs() < 0.01, "{error:?}");
+    }
+
+    #[test]
+    fn light_on_dark_sides_is_a_leak_and_no_error() {
+        let error = reference(&[1.0, 0.0], 0.0).error_of(&[answer(&[1.0, 0.02])]);
+        assert_eq!((error.error, error.leak), (0.0, 0.02));
     }
 
     #[test]

@@ -39,6 +39,8 @@ pub struct StudyRow {
     pub error_se: f64,
     /// ΣA d / ΣA H over all repeats: how much too bright all faces together are.
     pub bias: f64,
+    /// Light on sides of faces that no light path reaches, as a part of all light.
+    pub leak: f64,
     /// The part of `seconds` that solving took.
     pub solve_seconds: f64,
     /// Passes over the matrix; 0 of the direct solver and of light paths.
@@ -119,6 +121,7 @@ pub(super) mod tests {
             error,
             error_se: 0.01 * error,
             bias: 0.0,
+            leak: 0.0,
             solve_seconds: 0.1 * seconds,
             iterations: 10,
             repeats: 2,

@@ -50,6 +50,7 @@ impl Way {
             error: error.error,
             error_se: error.error_se,
             bias: error.bias,
+            leak: error.leak,
             solve_seconds: median(self.seconds.iter().map(solve_seconds).collect()),
             iterations: self.iterations,
             repeats: self.answers.len(),
