@@ -32,7 +32,7 @@ pub use self::comparison::{
 };
 pub use self::figure::{
     BouncePictures, ComparisonOptions, OrdersPlot, write_bounces, write_comparison, write_illuminance,
-    write_orders_plot,
+    write_knobs_plot, write_orders_plot, write_study_plot,
 };
 pub use self::file::{Outputs, replace};
 pub use self::form_factors::{FactorFormat, FactorTable, write_form_factors};

@@ -93,6 +93,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     };
     progress.at("write", 0.0)?;
     let mut outputs = args.scene.outputs(&scene)?;
+    outputs.file("study.svg", |file| output::write_study_plot(file, &summary))?;
+    outputs.file("knobs.svg", |file| output::write_knobs_plot(file, &summary))?;
     outputs.file("study.md", |file| output::write_study_report(file, &summary))?;
     outputs.commit()?;
     if args.run.json {

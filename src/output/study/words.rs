@@ -66,7 +66,7 @@ fn targets(study: &StudySummary) -> String {
     for stretch in found.targets.chunk_by(|a, b| a.turn == b.turn) {
         let Some(turn) = stretch[0].turn else { continue };
         let [first, last] = [stretch[0].accuracy, stretch[stretch.len() - 1].accuracy].map(percent);
-        let from = if first == last { format!("From {first} on") } else { format!("From {first} to {last}") };
+        let from = if first == last { format!("At {first}") } else { format!("From {first} to {last}") };
         text += &match turn {
             Turn::Patches => format!("{from} more patches give most for their time.\n"),
             Turn::Rays => format!("{from} more rays give most for their time.\n"),
