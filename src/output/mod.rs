@@ -31,8 +31,8 @@ pub use self::comparison::{
     write_comparison_table,
 };
 pub use self::figure::{
-    BouncePictures, ComparisonOptions, OrdersPlot, write_bounces, write_comparison, write_illuminance,
-    write_knobs_plot, write_orders_plot, write_study_plot,
+    BouncePictures, ComparisonOptions, OrdersPlot, SmallPlot, write_bounces, write_comparison,
+    write_illuminance, write_knobs_plot, write_orders_plot, write_small_plots, write_study_plot,
 };
 pub use self::file::{Outputs, replace};
 pub use self::form_factors::{FactorFormat, FactorTable, write_form_factors};

@@ -26,6 +26,10 @@ pub struct Args {
     #[arg(long, value_name = "TIME", default_value = "90s", value_parser = duration, help_heading = "Study")]
     time: Duration,
 
+    /// Noise of the reference that is small enough, relative
+    #[arg(long, value_name = "SHARE", default_value = "0.05%", value_parser = args::share, help_heading = "Study")]
+    noise: f64,
+
     /// Numbers of patches to try, with --rays [default: three or more, chosen for the scene and --time]
     #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = args::positive, requires = "rays", help_heading = "Study")]
     patches: Vec<usize>,
@@ -55,6 +59,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let tracer = Tracer::new(&scene);
     let options = StudyOptions {
         time: args.time,
+        noise: args.noise,
         grid: args.grid(),
         basis: args.basis.basis(),
         seed: args.run.seed,

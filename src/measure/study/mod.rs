@@ -40,11 +40,14 @@ const REFERENCE_SHARE: f64 = 0.4;
 pub struct StudyOptions<'a> {
     /// Wall-clock time for all of it. What does not fit is left out, the dearest first.
     pub time: Duration,
+    /// Noise of the reference that is small enough, relative root mean square by face. Time falls as its square.
+    pub noise: f64,
     /// What to try; `None` for [`Grid::for_scene`].
     pub grid: Option<Grid>,
     /// How light varies over a patch.
     pub basis: Basis,
-    /// Number of the random sequences. The same seed gives the same errors, as long as the reference had time for as many paths.
+    /// Number of the random sequences. The same seed gives the same errors, if the reference reaches `noise` in time or has as many
+    /// paths as it had.
     pub seed: u64,
     /// The most bytes patches, operators and factors may each take.
     pub memory: u64,
@@ -53,10 +56,11 @@ pub struct StudyOptions<'a> {
 }
 
 impl Default for StudyOptions<'_> {
-    /// 90 seconds, a grid for the scene, constant elements, 4 GiB.
+    /// 90 seconds, a noise of 0.05 %, a grid for the scene, constant elements, 4 GiB.
     fn default() -> Self {
         Self {
             time: Duration::from_secs(90),
+            noise: 5e-4,
             grid: None,
             basis: Basis::Constant,
             seed: 0,
@@ -154,7 +158,7 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
             let progress = Progress::to(&watch);
             // What is left of the share is for the paths that are held against it.
             let time = share.mul_f64(0.85);
-            let traced = StudyReference::trace(tracer, sides, time, options.seed, progress)?;
+            let traced = StudyReference::trace(tracer, sides, (time, options.noise), options.seed, progress)?;
             self.reference = Some(traced);
             return Ok(true);
         };

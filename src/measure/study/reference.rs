@@ -19,9 +19,6 @@ use crate::trace::Tracer;
 /// Paths a side of a face to begin with.
 const FIRST: u64 = 256;
 
-/// Noise that is small enough, relative root mean square.
-const ENOUGH: f64 = 5e-4;
-
 /// What answers are held against.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StudyReference {
@@ -75,14 +72,14 @@ impl ReferenceSide {
 }
 
 impl StudyReference {
-    /// Traces paths from `sides`, patches that are whole sides of faces, for about `time`.
+    /// Traces paths from `sides`, patches that are whole sides of faces, until the noise is `enough` or, about, the time is up.
     ///
     /// # Errors
     /// `Cancelled`.
     pub(super) fn trace(
         tracer: &Tracer,
         sides: &Patches,
-        time: Duration,
+        (time, enough): (Duration, f64),
         seed: u64,
         progress: Progress,
     ) -> Result<Self, MeasureError> {
@@ -92,7 +89,7 @@ impl StudyReference {
         let mut options = PathOptions { budget: first, bounces: 0, seed, progress, ..PathOptions::default() };
         let mut estimate = paths.irradiance(sides, &options)?;
         // Doubling takes as long again as all that was done so far.
-        while estimate.relative_standard_error() > ENOUGH && 2 * began.elapsed() < time {
+        while estimate.relative_standard_error() > enough && 2 * began.elapsed() < time {
             options.budget.paths = Some(estimate.paths());
             paths.refine(sides, &mut estimate, &options)?;
         }

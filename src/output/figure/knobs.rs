@@ -39,14 +39,14 @@ fn draw(svg: &mut String, study: &StudySummary) -> Drawn {
 const ERROR: &str = "error, relative RMS";
 
 fn error_axis() -> Axis {
-    Axis { name: ERROR, ticks: Vec::new(), label: share }
+    Axis { name: ERROR.into(), ticks: Vec::new(), label: share }
 }
 
 /// Values of a knob as ticks.
-fn values(name: &'static str, mut ticks: Vec<f64>) -> Axis {
+fn values(name: &str, mut ticks: Vec<f64>) -> Axis {
     ticks.sort_by(f64::total_cmp);
     ticks.dedup();
-    Axis { name, ticks, label: number }
+    Axis { name: name.into(), ticks, label: number }
 }
 
 /// The fitted law over the values that a trend has.
@@ -147,7 +147,7 @@ fn solving(study: &StudySummary) -> LogPlot {
     LogPlot {
         title: format!("Time of solving, {common} rays"),
         x: values("patches", ticks),
-        y: Axis { name: "seconds", ticks: Vec::new(), label: seconds },
+        y: Axis { name: "seconds".into(), ticks: Vec::new(), label: seconds },
         names: 160,
         curves,
     }

@@ -21,7 +21,7 @@ const ABOVE: i32 = 40;
 /// One axis.
 pub(super) struct Axis {
     /// What it shows, with its unit.
-    pub name: &'static str,
+    pub name: String,
     /// Where a line and a number stand; powers of ten if there are none.
     pub ticks: Vec<f64>,
     /// How a number is written.
@@ -131,8 +131,11 @@ impl Scale {
     /// The given ticks, or the powers of ten, within it.
     fn ticks(&self, given: &[f64]) -> Vec<f64> {
         let decades = |x: f64| x.log10().floor() as i32;
-        let powers: Vec<f64> =
-            (decades(self.low)..=decades(self.high)).map(|power| 10f64.powi(power)).collect();
+        let [first, last] = [decades(self.low), decades(self.high)];
+        // Every second or third of many, zero among them.
+        let step = 1 + (last - first) / 8;
+        let powers = (first..=last).filter(|power| power % step == 0);
+        let powers: Vec<f64> = powers.map(|power| 10f64.powi(power)).collect();
         let all = if given.is_empty() { &powers } else { given };
         all.iter().copied().filter(|x| (self.low..=self.high).contains(x)).collect()
     }
@@ -180,8 +183,8 @@ fn draw_axes(root: &Root, plot: &LogPlot, x: &Scale, y: &Scale) -> Drawn {
         let style = if turned { style.transform(FontTransform::Rotate270) } else { style };
         Text::new(text.to_owned(), at, style)
     };
-    root.draw(&name(plot.x.name, ((x.start + x.end) / 2, y.start + 36), false))?;
-    root.draw(&name(plot.y.name, (x.start - LEFT + 14, (y.start + y.end) / 2), true))?;
+    root.draw(&name(&plot.x.name, ((x.start + x.end) / 2, y.start + 36), false))?;
+    root.draw(&name(&plot.y.name, (x.start - LEFT + 14, (y.start + y.end) / 2), true))?;
     Ok(())
 }
 

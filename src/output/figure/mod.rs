@@ -13,6 +13,7 @@ mod diverging;
 mod illuminance;
 mod knobs;
 mod loglog;
+mod multiples;
 mod orders;
 mod panel;
 mod study;
@@ -22,6 +23,7 @@ pub use bounces::{BouncePictures, write_bounces};
 pub use comparison::{ComparisonOptions, write_comparison};
 pub use illuminance::write_illuminance;
 pub use knobs::write_knobs_plot;
+pub use multiples::{SmallPlot, write_small_plots};
 pub use orders::{OrdersPlot, write_orders_plot};
 pub use study::write_study_plot;
 

@@ -47,8 +47,8 @@ fn draw(svg: &mut String, study: &StudySummary) -> Drawn {
     root.fill(&WHITE)?;
     let plot = LogPlot {
         title: format!("{}: what accuracy costs in time", study.scene),
-        x: Axis { name: "seconds from mesh to irradiance", ticks: Vec::new(), label: seconds },
-        y: Axis { name: "error of irradiance by face, relative RMS", ticks: Vec::new(), label: share },
+        x: Axis { name: "seconds from mesh to irradiance".into(), ticks: Vec::new(), label: seconds },
+        y: Axis { name: "error of irradiance by face, relative RMS".into(), ticks: Vec::new(), label: share },
         names: NAMES,
         curves: curves(study),
     };
