@@ -5,10 +5,10 @@
 //! emits, its mean is mean(Lₑ)/(1 − ρ). *Error* is the largest relative difference from either. *Iterations* are those for light from
 //! one wall, which is not the same everywhere.
 //!
-//! `cargo run --release --example stability` writes docs/stability.svg and docs/stability.md.
+//! `cargo run --release --example stability [FOLDER]` writes stability.svg and stability.md to the folder, docs if none is given.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use nalgebra::DMatrix;
@@ -78,7 +78,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }));
     rows(&mut table, "a room with a speck, area ratio", &ratios, &by_ratio)?;
 
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let docs = || Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let folder = std::env::args().nth(1).map_or_else(docs, PathBuf::from);
     output::replace(folder.join("stability.svg"), |file| output::write_small_plots(file, &plots))?;
     let text = format!("{INTRODUCTION}{table}");
     output::replace(folder.join("stability.md"), |file| file.write_all(text.as_bytes()))?;

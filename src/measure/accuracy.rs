@@ -225,7 +225,11 @@ impl<'s> Search<'_, 's> {
         let k = Transport::of(&factors, &patches)?;
         let light = LightOptions { rays: factors.rays(), seed: self.trace.seed, progress };
         let sources = Sources::trace(self.tracer, &patches, factors.basis(), &light)?;
-        let solution = conjugate_gradients(&k, &sources.right_hand_side(&k), &CgOptions { progress, ..Default::default() })?;
+        let solution = conjugate_gradients(
+            &k,
+            &sources.right_hand_side(&k),
+            &CgOptions { progress, ..Default::default() },
+        )?;
         let budget = ErrorBars::of(&patches, &factors, &sources, &solution.under(&sources), progress)?.budget;
         let noise = budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS));
         let step = AccuracyStep {
@@ -238,7 +242,8 @@ impl<'s> Search<'_, 's> {
             noise,
         };
         // Two cuts tell how mesh error falls.
-        let earlier = self.steps.iter().rev().find(|s| step.patches as f64 > 1.5 * s.patches as f64 && s.mesh > 0.0);
+        let earlier =
+            self.steps.iter().rev().find(|s| step.patches as f64 > 1.5 * s.patches as f64 && s.mesh > 0.0);
         if let Some(s) = earlier {
             let power = 2.0 * (s.mesh / step.mesh).ln() / (step.patches as f64 / s.patches as f64).ln();
             self.power = power.clamp(MESH_POWERS[0], MESH_POWERS[1]);
@@ -280,7 +285,8 @@ impl<'s> Search<'_, 's> {
         let (setting, lacking) = match cheapest {
             Some(setting) if affordable(&setting) => (setting, None),
             _ => {
-                let lacking = if cheapest.is_some_and(|s| !fits(&s)) { Resource::Memory } else { Resource::Time };
+                let lacking =
+                    if cheapest.is_some_and(|s| !fits(&s)) { Resource::Memory } else { Resource::Time };
                 match forecast.best(affordable) {
                     Some(setting) => (setting, Some(lacking)),
                     None => return Next::End(short(lacking)),
@@ -294,7 +300,10 @@ impl<'s> Search<'_, 's> {
         let leap = forecast.seconds(&setting) / last.seconds;
         if leap > LEAP && self.steps.len() + 1 < MOST_STEPS {
             let part = leap.sqrt() / leap;
-            return Next::Step(Setting { patches: (setting.patches * part).max(last.patches as f64), ..setting });
+            return Next::Step(Setting {
+                patches: (setting.patches * part).max(last.patches as f64),
+                ..setting
+            });
         }
         let same_cut = (0.8..1.25).contains(&(setting.patches / best.patches.len() as f64));
         let more = setting.rays - f64::from(best.factors.rays());
@@ -322,7 +331,8 @@ impl Forecast {
 
     fn seconds(&self, s: &Setting) -> f64 {
         let work = |patches: f64, rays: f64| patches * (rays + PATCH_IN_RAYS);
-        self.from.seconds * work(s.patches, s.rays) / work(self.from.patches as f64, f64::from(self.from.rays))
+        self.from.seconds * work(s.patches, s.rays)
+            / work(self.from.patches as f64, f64::from(self.from.rays))
     }
 
     /// All settings worth a thought.

@@ -11,7 +11,15 @@ use crate::solve::Solution;
 
 /// Columns of radiometric tables after their keys; the last three, one standard error of irradiance, where that is known.
 const QUANTITIES: [&str; 9] = [
-    "irradiance_r", "irradiance_g", "irradiance_b", "radiance_r", "radiance_g", "radiance_b", "error_r", "error_g", "error_b",
+    "irradiance_r",
+    "irradiance_g",
+    "irradiance_b",
+    "radiance_r",
+    "radiance_g",
+    "radiance_b",
+    "error_r",
+    "error_g",
+    "error_b",
 ];
 
 /// How many of [`QUANTITIES`] there are without errors.

@@ -40,11 +40,16 @@ impl Exchange {
             DVector::from_iterator(groups, sums)
         };
         let entries: usize = rows.iter().map(Vec::len).sum();
-        let storage =
-            if 2 * entries > groups * groups { Storage::Dense(dense(&rows)) } else { Storage::Sparse(sparse(&rows)) };
+        let storage = if 2 * entries > groups * groups {
+            Storage::Dense(dense(&rows))
+        } else {
+            Storage::Sparse(sparse(&rows))
+        };
         let leaving = over(&|k| self.leaving()[k]);
         let in_carriers = self.in_carriers().map(|_| {
-            let share = |part: DVector<f64>| part.zip_map(&leaving, |part, all| if all > 0.0 { part / all } else { 0.0 });
+            let share = |part: DVector<f64>| {
+                part.zip_map(&leaving, |part, all| if all > 0.0 { part / all } else { 0.0 })
+            };
             [share(over(&|k| self.absorbed(k))), share(over(&|k| self.lost(k)))]
         });
         let mass = Mass::from(over(&|k| self.areas()[k]));

@@ -46,7 +46,8 @@ impl Rows {
     /// These rows' rays and those of `other`, batch by batch. Rows that only one of them has are left out.
     fn joined(self, other: Self, count: RayCount) -> Self {
         let share = f64::from(self.recipe.count.rays) / f64::from(count.rays);
-        let rows = self.all().iter().filter_map(|row| Some(joined(row, other.of(row.slot)?, share))).collect();
+        let rows =
+            self.all().iter().filter_map(|row| Some(joined(row, other.of(row.slot)?, share))).collect();
         let caustics = self.caustics.joined(&other.caustics);
         let recipe = Recipe { count, ..self.recipe };
         Self::new(recipe, self.lamp_faces, rows, caustics)

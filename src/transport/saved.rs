@@ -249,7 +249,8 @@ impl Saved {
             let keys = from.some::<[u32; 2]>(shares)?;
             let values = from.some::<f32>(shares)?;
             let share = |([slot, batch], share): ([u32; 2], f32)| LampShare { slot, batch, share };
-            let (kept, moments) = (keys.into_iter().zip(values).map(share).collect(), from.some(more(shares))?);
+            let (kept, moments) =
+                (keys.into_iter().zip(values).map(share).collect(), from.some(more(shares))?);
             let mut excess = [0.0; BATCHES as usize];
             excess.copy_from_slice(&from.some::<f32>(BATCHES as usize)?);
             let lamps = Look { shares: kept, moments, excess };

@@ -80,7 +80,8 @@ impl Sources {
         let mass = Mass::new(basis, patches.areas());
         let mut fields = (0..=PARTS).map(|part| {
             let coefficients = moments.chunks_exact(each / (1 + PARTS)).skip(part).step_by(1 + PARTS);
-            let mut field = DMatrix::from_row_iterator(emitted.nrows(), channels, coefficients.flatten().copied());
+            let mut field =
+                DMatrix::from_row_iterator(emitted.nrows(), channels, coefficients.flatten().copied());
             mass.solve(&mut field, 1.0);
             field
         });

@@ -48,7 +48,10 @@ impl FormFactors {
         merged: &Exchange,
     ) -> Result<Spread, TransportError> {
         let rows = self.rows().ok_or(TransportError::NoRays)?;
-        assert!(radiance.nrows() == self.exchange().len() && merged.len() == clusters.count, "N × c, and a row a cluster");
+        assert!(
+            radiance.nrows() == self.exchange().len() && merged.len() == clusters.count,
+            "N × c, and a row a cluster"
+        );
         let is_lamp = |i: usize| {
             let place = patches.place(i);
             place.side == Side::Front && rows.lamp_faces.binary_search(&(place.face as u32)).is_ok()
@@ -70,7 +73,10 @@ impl FormFactors {
             for (all, some) in [(&mut spread.rays, rays), (&mut spread.lamps, lamps)] {
                 for (all, some) in all.iter_mut().zip(some) {
                     for c in first..channels.min(first + ONES) {
-                        all.column_mut(c).iter_mut().zip(&some).for_each(|(all, lanes)| *all = lanes[c - first]);
+                        all.column_mut(c)
+                            .iter_mut()
+                            .zip(&some)
+                            .for_each(|(all, lanes)| *all = lanes[c - first]);
                     }
                 }
             }
@@ -137,8 +143,7 @@ impl Setting<'_> {
             c if c < channels => radiance[(k, first + c)],
             _ => 0.0,
         };
-        let field: Vec<Lanes> =
-            (0..radiance.nrows()).map(|k| std::array::from_fn(|c| lane(k, c))).collect();
+        let field: Vec<Lanes> = (0..radiance.nrows()).map(|k| std::array::from_fn(|c| lane(k, c))).collect();
         let scaled = field.iter().zip(scale).map(|(lanes, d)| lanes.map(|x| d * x)).collect();
         let each = self.exchange.basis().coefficients();
         let times = |only_lamps: bool| -> Vec<Lanes> {
@@ -196,7 +201,13 @@ impl Setting<'_> {
                             add(&mut rays[i], worth * scale_at(i, &here), &at(&known.scaled, j, &there));
                             add(&mut rays[j], worth * scale_at(j, &there), &at(&known.scaled, i, &here));
                         } else if carried && !self.is_lamp[i] {
-                            self.add_lamp(&mut lamps, (i, j), self.carried_worth(i, j), known, &[(here, there, 1.0)]);
+                            self.add_lamp(
+                                &mut lamps,
+                                (i, j),
+                                self.carried_worth(i, j),
+                                known,
+                                &[(here, there, 1.0)],
+                            );
                         }
                     }
                 }
@@ -211,13 +222,15 @@ impl Setting<'_> {
                     self.add_lamp(&mut lamps, (i, j), self.carried_worth(i, j), known, &[(here, there, 1.0)]);
                 }
             }
-            let shares = row.lamps.shares.iter().enumerate().filter(|(_, share)| share.batch as usize == batch);
+            let shares =
+                row.lamps.shares.iter().enumerate().filter(|(_, share)| share.batch as usize == batch);
             for (k, share) in shares {
                 let Some(j) = self.patches.patch_of_slot(share.slot) else { continue };
                 let worth = areas[i] * f64::from(BATCHES);
                 // All moments of a pair as so many spots, each in one corner.
                 if let Some(moments) = row.lamps.moments.get(k).filter(|_| K > 1) {
-                    let corner = |a: usize| -> [f64; K] { std::array::from_fn(|b| f64::from(u8::from(a == b))) };
+                    let corner =
+                        |a: usize| -> [f64; K] { std::array::from_fn(|b| f64::from(u8::from(a == b))) };
                     let parts: [_; 9] =
                         std::array::from_fn(|m| (corner(m / 3), corner(m % 3), f64::from(moments[m])));
                     self.add_lamp(&mut lamps, (i, j as usize), worth, known, &parts);
@@ -320,7 +333,9 @@ impl<'a> Balance<'a> {
         let n = patches.len();
         let each = setting.exchange.basis().coefficients();
         let mean = |i: usize| {
-            std::array::from_fn(|c| (0..each).map(|a| known.field[each * i + a][c]).sum::<f64>() / each as f64)
+            std::array::from_fn(|c| {
+                (0..each).map(|a| known.field[each * i + a][c]).sum::<f64>() / each as f64
+            })
         };
         let target: Vec<f64> = (0..n)
             .map(|i| {
@@ -340,7 +355,11 @@ impl<'a> Balance<'a> {
         let takes_part = |g: usize| !lamp_cluster[g];
         let mut between = DMatrix::zeros(clusters.count, clusters.count);
         for g in (0..clusters.count).filter(|&g| takes_part(g)) {
-            merged.for_row(g, |h, area| if takes_part(h) { between[(h, g)] = area });
+            merged.for_row(g, |h, area| {
+                if takes_part(h) {
+                    between[(h, g)] = area
+                }
+            });
         }
         cluster_target.iter_mut().filter(|target| **target == 0.0).for_each(|target| *target = 1.0);
         let solver = nalgebra::Cholesky::new(&between + DMatrix::from_diagonal(&cluster_target));
@@ -361,7 +380,9 @@ impl<'a> Balance<'a> {
             for b in 0..each {
                 exchange.for_row(each * j + b, |k, area| {
                     let to = &mut to_others[k / each];
-                    to.iter_mut().zip(&self.known.field[each * j + b]).for_each(|(to, x)| *to += u * area * x);
+                    to.iter_mut()
+                        .zip(&self.known.field[each * j + b])
+                        .for_each(|(to, x)| *to += u * area * x);
                 });
             }
         }
@@ -391,7 +412,8 @@ impl<'a> Balance<'a> {
             let cluster = clusters.of_patch[i];
             let part = areas[i] / cluster_areas[cluster];
             for c in 0..LANES {
-                let by_rays = self.known.all[i][c] - if self.known.flooded[i] { 0.0 } else { self.known.from_lamps[i][c] };
+                let by_rays = self.known.all[i][c]
+                    - if self.known.flooded[i] { 0.0 } else { self.known.from_lamps[i][c] };
                 change[i][c] += scale[i] * by_rays + part * arriving[(cluster, c)];
             }
         }

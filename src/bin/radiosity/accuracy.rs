@@ -1,6 +1,8 @@
 //! Accuracy: how much error is asked for, what was done for it, and how wrong the answer is.
 
-use radiosity::measure::{self, Accurate, AccuracyStep, Ending, ErrorBudget, ErrorPart, Goal, Resource, Tolerated};
+use radiosity::measure::{
+    self, AccuracyStep, Accurate, Ending, ErrorBudget, ErrorPart, Goal, Resource, Tolerated,
+};
 use radiosity::patches::Patches;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep};
@@ -62,7 +64,8 @@ impl GoalArgs {
         });
         let goal = Goal { error, seconds: self.time };
         let (tessellation, trace) = factors.options(run, terminal.progress());
-        let Accurate { patches, factors, steps, ending } = measure::reach(tracer, goal, &tessellation, &trace)?;
+        let Accurate { patches, factors, steps, ending } =
+            measure::reach(tracer, goal, &tessellation, &trace)?;
         terminal.takes(factors.exchange().bytes());
         terminal.say(told(&steps))?;
         if let Ending::Short { of, needed, seconds } = ending {
@@ -102,7 +105,9 @@ fn shortfall(of: Resource, needed: measure::Setting, seconds: f64) -> String {
             duration(seconds)
         )
     } else {
-        format!("{what}; this is the best answer there is, and no number of patches and rays within reach would do")
+        format!(
+            "{what}; this is the best answer there is, and no number of patches and rays within reach would do"
+        )
     }
 }
 
@@ -136,7 +141,8 @@ fn percent(share: f64) -> String {
 }
 
 fn wanted(text: &str) -> Result<Wanted, String> {
-    let absolute = |unit: &str| text.strip_suffix(unit).and_then(|number| args::positive_length(number.trim()).ok());
+    let absolute =
+        |unit: &str| text.strip_suffix(unit).and_then(|number| args::positive_length(number.trim()).ok());
     if let Some(h) = absolute("W/m2").or_else(|| absolute("W/m²")) {
         Ok(Wanted::Irradiance(h))
     } else if let Some(lux) = absolute("lx") {

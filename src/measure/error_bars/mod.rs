@@ -163,7 +163,8 @@ impl Faces<'_> {
 
     /// ΣA x over faces and channels.
     fn sum(&self, x: impl Fn(usize, usize) -> f64) -> f64 {
-        let of_face = |(f, row): (usize, &FaceRow)| row.area * (0..row.mean.len()).map(|c| x(f, c)).sum::<f64>();
+        let of_face =
+            |(f, row): (usize, &FaceRow)| row.area * (0..row.mean.len()).map(|c| x(f, c)).sum::<f64>();
         self.irradiance.iter().enumerate().map(of_face).sum()
     }
 
