@@ -6,7 +6,10 @@ use std::time::Duration;
 
 use radiosity::measure::{Grid, LeftOut, MeasureError, Study, StudyOptions, Want};
 use radiosity::output::{self, StudySummary};
+use radiosity::patches::PatchError;
+use radiosity::solve::SolveError;
 use radiosity::trace::Tracer;
+use radiosity::transport::TransportError;
 
 use crate::args::{self, BasisArg, RunArgs, SceneArgs};
 use crate::terminal::{Failure, Terminal};
@@ -80,11 +83,11 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         match study.advance() {
             Ok(true) => keep(&study, args)?,
             Ok(false) => break,
-            Err(MeasureError::Cancelled(_)) if !study.rows().is_empty() => {
+            Err(error) if is_stop(&error) && study.reference().is_some() => {
                 let rows = study.rows().len();
                 return Err(format!(
-                    "stopped; {rows} rows are kept in {}, and the same command goes on from there",
-                    folder.join(TABLE).display()
+                    "stopped; the reference and {rows} rows are kept in {}, and the same command goes on from there",
+                    folder.display()
                 )
                 .into());
             }
@@ -148,11 +151,15 @@ fn warn_of_time(study: &Study, args: &Args, terminal: &Terminal) {
     let late = study.left_out().iter().filter(late).count();
     let all = study.grid().cells().len();
     if late > 0 {
+        let grid = study.grid();
+        let list = |values: Vec<String>| values.join(",");
         terminal.warn(format_args!(
-            "{} of {all} pairs of patches and rays fitted into {:.0} s; --time {:.0}s would do for all of them",
+            "{} of {all} pairs of patches and rays fitted into {:.0} s; for all of them: --time {:.0}s --patches {} --rays {}",
             all - study.left_out().len(),
             args.time.as_secs_f64(),
-            1.1 * study.seconds_for_all()
+            (1.1 * study.seconds_for_all()).ceil(),
+            list(grid.patches.iter().map(usize::to_string).collect()),
+            list(grid.rays.iter().map(u32::to_string).collect())
         ));
     }
     for left in study.left_out() {
@@ -163,6 +170,17 @@ fn warn_of_time(study: &Study, args: &Args, terminal: &Terminal) {
             ));
         }
     }
+}
+
+/// Whether Ctrl-C is behind an error, wherever it was noticed.
+fn is_stop(error: &MeasureError) -> bool {
+    matches!(
+        error,
+        MeasureError::Cancelled(_)
+            | MeasureError::Patches(PatchError::Cancelled(_))
+            | MeasureError::Transport(TransportError::Cancelled(_))
+            | MeasureError::Solve(SolveError::Cancelled(_))
+    )
 }
 
 /// A time, as 90, 90s, 5min or 1h.

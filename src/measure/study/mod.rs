@@ -79,6 +79,8 @@ pub struct Study<'t, 's, 'o> {
     sides: Patches<'s>,
     grid: Grid,
     reference: Option<StudyReference>,
+    /// Whether light paths of their own are held against it.
+    paths_measured: bool,
     rows: Vec<StudyRow>,
     left_out: Vec<LeftOut>,
     /// Rows that come from an earlier run.
@@ -123,8 +125,17 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
         }
         let for_cells = options.time.mul_f64(1.0 - REFERENCE_SHARE);
         let grid = options.grid.clone().unwrap_or_else(|| Grid::for_scene(sides.len(), for_cells));
-        let (rows, left_out) = (Vec::new(), Vec::new());
-        Ok(Self { tracer, options, sides, grid, reference: None, rows, left_out, taken_over: 0 })
+        Ok(Self {
+            tracer,
+            options,
+            sides,
+            grid,
+            reference: None,
+            paths_measured: false,
+            rows: Vec::new(),
+            left_out: Vec::new(),
+            taken_over: 0,
+        })
     }
 
     /// A number that tells whether errors belong together: of everything in the scene, the program's version, seed, basis, and
@@ -142,6 +153,7 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
     /// Takes over what an earlier run with the same [`Study::key`] has measured.
     pub fn resume(&mut self, reference: StudyReference, rows: Vec<StudyRow>) {
         self.taken_over = rows.len();
+        self.paths_measured = !rows.is_empty();
         self.rows = rows;
         self.reference = Some(reference);
     }
@@ -162,10 +174,11 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
             self.reference = Some(traced);
             return Ok(true);
         };
-        if self.rows.iter().all(|row| row.solver != StudySolver::Paths) {
+        if !self.paths_measured {
             let watch = Watch::new(options.progress, "reference", reference.seconds, share.as_secs_f64());
             let rows = runs::measure_paths(tracer, sides, reference, options, Progress::to(&watch))?;
             self.rows.extend(rows);
+            self.paths_measured = true;
             return Ok(true);
         }
         while let Some(cell) = self.next_cell() {
@@ -229,13 +242,17 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
         (self.spent() + rest).min(options_time(&self.options))
     }
 
-    /// Seconds that the whole grid would take.
+    /// About the [`StudyOptions::time`] in which the whole grid fits.
     pub fn seconds_for_all(&self) -> f64 {
         let wanted = |left: &LeftOut| match left.wants {
             Want::Seconds(seconds) => seconds,
             Want::Memory(_) => 0.0,
         };
-        self.spent() + self.left_out.iter().map(wanted).sum::<f64>()
+        let left: f64 = self.left_out.iter().map(wanted).sum();
+        let cells: Vec<StudyRow> = self.rows.iter().filter(|row| row.cell().is_some()).cloned().collect();
+        // A reference that time has cut short takes its share of more time too.
+        let with_reference = (row::spent(&cells) + left) / (1.0 - REFERENCE_SHARE);
+        with_reference.max(self.spent() + left)
     }
 
     /// What answers are held against, once it is there.

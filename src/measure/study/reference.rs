@@ -85,12 +85,14 @@ impl StudyReference {
     ) -> Result<Self, MeasureError> {
         let began = Instant::now();
         let paths = PathTracer::new(tracer);
-        let first = Budget { paths: Some(FIRST * sides.len() as u64), ..Budget::default() };
+        // Of very many sides even the first paths may take more than there is.
+        let (first, seconds) = (FIRST * sides.len() as u64, time.as_secs_f64());
+        let first = Budget { paths: Some(first), seconds: Some(seconds), ..Budget::default() };
         let mut options = PathOptions { budget: first, bounces: 0, seed, progress, ..PathOptions::default() };
         let mut estimate = paths.irradiance(sides, &options)?;
         // Doubling takes as long again as all that was done so far.
         while estimate.relative_standard_error() > enough && 2 * began.elapsed() < time {
-            options.budget.paths = Some(estimate.paths());
+            options.budget = Budget { paths: Some(estimate.paths()), ..Budget::default() };
             paths.refine(sides, &mut estimate, &options)?;
         }
         Ok(Self::of(sides, &estimate))

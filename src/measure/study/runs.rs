@@ -116,7 +116,8 @@ fn solve_options<'a>(way: &Way, memory: u64, progress: Progress<'a>) -> SolveOpt
     }
 }
 
-/// Light paths of their own against those of the reference, from few to as many as still stand out from its noise.
+/// Light paths of their own against those of the reference, from few to as many as still stand out from its noise; none where that is so
+/// noisy that even few do not.
 pub(super) fn measure_paths(
     tracer: &Tracer,
     sides: &Patches,
@@ -132,7 +133,7 @@ pub(super) fn measure_paths(
     let tracer = PathTracer::new(tracer);
     let mut rows = Vec::new();
     let mut per_side = FIRST;
-    while rows.is_empty() || FEWER * per_side * sides.len() as u64 <= reference.paths {
+    while FEWER * per_side * sides.len() as u64 <= reference.paths {
         let mut way = Way::new(StudySolver::Paths, None);
         let mut paths = 0;
         for repeat in 0..(Cell { patches: sides.len(), rays: per_side as u32 }).repeats() {

@@ -209,7 +209,7 @@ fn trust(study: &StudySummary) -> String {
         .collect();
     if !for_time.is_empty() {
         lines.push(format!(
-            "- Left out for lack of time (patches × rays): {}. All would take some {} s.",
+            "- Left out for lack of time (patches × rays): {}. All of them fit into {} s.",
             for_time.join(", "),
             study.seconds_for_all.ceil()
         ));
