@@ -18,8 +18,8 @@ use crate::solve::SolveError;
 use crate::transport::TransportError;
 pub use accuracy::{AccuracyStep, Accurate, Ending, Goal, Resource, Setting, Tolerated, reach};
 pub use comparison::{
-    Agreement, Comparison, Difference, MeshError, OrderOptions, OrderRow, Reason, ReferenceRow, RelativeRms,
-    Worst,
+    Agreement, Comparison, Difference, MeshError, OrderOptions, OrderRow, Reason, ReferenceError,
+    ReferenceRow, RelativeRms, Worst,
 };
 pub use energy::Energy;
 pub use error_bars::{ErrorBars, ErrorBudget, ErrorPart};
@@ -40,6 +40,9 @@ pub enum MeasureError {
         "a path tracer needs a budget: a standard error, a time or a number of paths, each above 0 where it is given"
     )]
     Budget,
+    /// From reading a table of references.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
     /// From cutting the scene anew.
     #[error(transparent)]
     Patches(#[from] PatchError),
