@@ -155,6 +155,9 @@ pub(super) fn draw_plot(root: &Root, place: Place, plot: &LogPlot) -> Drawn {
     for curve in &plot.curves {
         draw_curve(root, curve, &x, &y)?;
     }
+    for curve in &plot.curves {
+        draw_notes(root, curve, &x, &y)?;
+    }
     draw_names(root, plot, &y, x1 + 12)
 }
 
@@ -201,13 +204,27 @@ fn draw_curve(root: &Root, curve: &Curve, x: &Scale, y: &Scale) -> Drawn {
             root.draw(&PathElement::new(bar, curve.colour.stroke_width(1)))?;
         }
         draw_mark(root, curve, at)?;
-        if !point.note.is_empty() {
-            let (pos, corner) = match curve.notes {
-                Beside::RightAbove => (Pos::new(HPos::Left, VPos::Bottom), (at.0 + 6, at.1 - 5)),
-                Beside::LeftBelow => (Pos::new(HPos::Right, VPos::Top), (at.0 - 6, at.1 + 5)),
-            };
-            root.draw(&Text::new(point.note.clone(), corner, style(12, curve.ink).pos(pos)))?;
-        }
+    }
+    Ok(())
+}
+
+/// Writes what stands beside points, on white so that no line runs through it.
+fn draw_notes(root: &Root, curve: &Curve, x: &Scale, y: &Scale) -> Drawn {
+    /// Height of a line and, about, width of a letter, pixels.
+    const HEIGHT: i32 = 13;
+    const LETTER: i32 = 7;
+    for point in curve.points.iter().filter(|p| p.is_shown() && !p.note.is_empty()) {
+        let at = (x.place(point.x), y.place(point.y));
+        let width = LETTER * point.note.chars().count() as i32;
+        let (left, top) = match curve.notes {
+            Beside::RightAbove => (at.0 + 6, at.1 - 5 - HEIGHT),
+            Beside::LeftBelow => (at.0 - 6 - width, at.1 + 5),
+        };
+        let corners = [(left - 1, top), (left + width + 1, top + HEIGHT)];
+        root.draw(&Rectangle::new(corners, WHITE.filled()))?;
+        let style = style(12, curve.ink).pos(Pos::new(HPos::Center, VPos::Center));
+        let middle = (left + width / 2, top + HEIGHT / 2);
+        root.draw(&Text::new(point.note.clone(), middle, style))?;
     }
     Ok(())
 }

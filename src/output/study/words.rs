@@ -179,7 +179,7 @@ fn trust(study: &StudySummary) -> String {
             Reading::Below(limit) => format!("less than {} apart, which is noise", percent(limit)),
         };
         lines.push(format!(
-            "- The best matrix solution, {}, shares nothing with the reference but scene and rays' geometry: two witnesses, {apart}.",
+            "- The best matrix solution, {}, shares nothing with the reference but the scene and the tracer: two witnesses, {apart}.",
             cell_of(best)
         ));
         if best.leak > 1e-4 {
