@@ -45,7 +45,7 @@ pub(super) struct Point {
     pub y: f64,
     /// One standard error of y.
     pub error: f64,
-    /// Stands beside it; empty for nothing.
+    /// Stands left of and below it; empty for nothing.
     pub note: String,
 }
 
@@ -60,13 +60,6 @@ impl Point {
     }
 }
 
-/// Which side of its point a note stands on.
-#[derive(Clone, Copy)]
-pub(super) enum Beside {
-    RightAbove,
-    LeftBelow,
-}
-
 /// A named curve; a later one is drawn on top.
 pub(super) struct Curve {
     /// What it is called; empty for no name.
@@ -75,8 +68,6 @@ pub(super) struct Curve {
     pub colour: RGBColor,
     /// Of its name, where that would be too pale in the curve's own.
     pub ink: RGBColor,
-    /// Where notes stand.
-    pub notes: Beside,
     /// None for points that no line joins.
     pub stroke: Option<Stroke>,
     pub width: u32,
@@ -87,7 +78,7 @@ impl Curve {
     /// A solid line of dots.
     pub fn line(name: String, points: Vec<Point>, colour: RGBColor) -> Self {
         let (stroke, mark) = (Some(Stroke::Solid), Mark::Dot);
-        Self { name, points, colour, ink: colour, notes: Beside::RightAbove, stroke, width: 2, mark }
+        Self { name, points, colour, ink: colour, stroke, width: 2, mark }
     }
 }
 
@@ -152,11 +143,15 @@ pub(super) fn draw_plot(root: &Root, place: Place, plot: &LogPlot) -> Drawn {
     let title = style(16, DARK).pos(Pos::new(HPos::Left, VPos::Center));
     root.draw(&Text::new(plot.title.clone(), (x0, top + 18), title))?;
     draw_axes(root, plot, &x, &y)?;
+    // Notes interrupt lines, and no mark.
     for curve in &plot.curves {
         draw_curve(root, curve, &x, &y)?;
     }
     for curve in &plot.curves {
         draw_notes(root, curve, &x, &y)?;
+    }
+    for curve in &plot.curves {
+        draw_marks(root, curve, &x, &y)?;
     }
     draw_names(root, plot, &y, x1 + 12)
 }
@@ -192,12 +187,15 @@ fn draw_axes(root: &Root, plot: &LogPlot, x: &Scale, y: &Scale) -> Drawn {
 }
 
 fn draw_curve(root: &Root, curve: &Curve, x: &Scale, y: &Scale) -> Drawn {
-    let points: Vec<&Point> = curve.points.iter().filter(|p| p.is_shown()).collect();
-    let places: Vec<(i32, i32)> = points.iter().map(|p| (x.place(p.x), y.place(p.y))).collect();
-    if let Some(stroke) = curve.stroke {
-        draw_line(root, &places, curve, stroke)?;
-    }
-    for (point, &at) in points.iter().zip(&places) {
+    let points = curve.points.iter().filter(|p| p.is_shown());
+    let places: Vec<(i32, i32)> = points.map(|p| (x.place(p.x), y.place(p.y))).collect();
+    curve.stroke.map_or(Ok(()), |stroke| draw_line(root, &places, curve, stroke))
+}
+
+/// Draws each point with its uncertainty.
+fn draw_marks(root: &Root, curve: &Curve, x: &Scale, y: &Scale) -> Drawn {
+    for point in curve.points.iter().filter(|p| p.is_shown()) {
+        let at = (x.place(point.x), y.place(point.y));
         if point.error > 0.0 && point.error.is_finite() {
             let low = (point.y - point.error).max(y.low);
             let bar = vec![(at.0, y.place(low)), (at.0, y.place(point.y + point.error))];
@@ -212,14 +210,11 @@ fn draw_curve(root: &Root, curve: &Curve, x: &Scale, y: &Scale) -> Drawn {
 fn draw_notes(root: &Root, curve: &Curve, x: &Scale, y: &Scale) -> Drawn {
     /// Height of a line and, about, width of a letter, pixels.
     const HEIGHT: i32 = 13;
-    const LETTER: i32 = 7;
+    const LETTER: i32 = 6;
     for point in curve.points.iter().filter(|p| p.is_shown() && !p.note.is_empty()) {
         let at = (x.place(point.x), y.place(point.y));
         let width = LETTER * point.note.chars().count() as i32;
-        let (left, top) = match curve.notes {
-            Beside::RightAbove => (at.0 + 6, at.1 - 5 - HEIGHT),
-            Beside::LeftBelow => (at.0 - 6 - width, at.1 + 5),
-        };
+        let (left, top) = (at.0 - 8 - width, at.1 + 3);
         let corners = [(left - 1, top), (left + width + 1, top + HEIGHT)];
         root.draw(&Rectangle::new(corners, WHITE.filled()))?;
         let style = style(12, curve.ink).pos(Pos::new(HPos::Center, VPos::Center));

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 
 use super::super::StudySummary;
 use super::axes::{BLUE, DARK, GREY, Stroke, VERMILION, short_percent};
-use super::loglog::{Axis, Beside, Curve, Drawn, LogPlot, Mark, Place, Point, draw_plot, seconds, share};
+use super::loglog::{Axis, Curve, Drawn, LogPlot, Mark, Place, Point, draw_plot, seconds, share};
 use crate::measure::{StudyRow, StudySolver};
 
 /// Width and height, pixels.
@@ -126,8 +126,7 @@ fn curves(study: &StudySummary) -> Vec<Curve> {
             Point { note: rays, ..point(row, row.seconds) }
         });
         let name = format!("{} patches", along[0].patches);
-        let line = Curve::line(name, points.collect(), shade(k, by_patches.len()));
-        curves.push(Curve { notes: Beside::LeftBelow, ..line });
+        curves.push(Curve::line(name, points.collect(), shade(k, by_patches.len())));
     }
     curves
 }
