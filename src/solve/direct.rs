@@ -54,7 +54,7 @@ fn split() -> Par {
 pub fn direct<'k>(k: &'k Transport<'k>, options: &DirectOptions) -> Result<Direct<'k>, SolveError> {
     let n = k.len();
     let (factor_of, distinct) = distinct_channels(k.reflectance());
-    let needed = 8 * (n as u64).pow(2) * distinct.len() as u64;
+    let needed = factor_bytes(k);
     if needed > options.memory {
         return Err(SolveError::Memory { n, needed, limit: options.memory });
     }
@@ -98,8 +98,13 @@ impl Direct<'_> {
 }
 
 /// Whether the direct solver fits into `memory` and takes no more than a second or two.
-pub(super) fn is_quick(k: &Transport, memory: u64) -> bool {
+pub(crate) fn is_quick(k: &Transport, memory: u64) -> bool {
     is_quickly_factored(k.len(), distinct_channels(k.reflectance()).1.len(), memory)
+}
+
+/// Bytes that the factors take.
+pub(crate) fn factor_bytes(k: &Transport) -> u64 {
+    8 * (k.len() as u64).pow(2) * distinct_channels(k.reflectance()).1.len() as u64
 }
 
 /// For each channel the index of its factor, and for each factor its first channel.

@@ -21,6 +21,7 @@ mod plan; // what is foretold of effects, patches, bytes, against what comes of 
 mod receivers; // light at points that are no patches, and what is reported in lux
 mod saved_factors; // what may change around saved form factors, and what may not
 mod structure; // modules import only from their left
+mod study; // accuracy against time: errors that fall, noise that is called noise, studies that resume
 
 mod scenes; // small scenes, made on the spot
 mod scratch; // a temporary folder for all of them

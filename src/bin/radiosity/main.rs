@@ -9,6 +9,7 @@ mod form_factors;
 mod plan;
 mod render;
 mod solve;
+mod study;
 mod terminal;
 
 use std::process::ExitCode;
@@ -42,6 +43,7 @@ enum Command {
     Render(render::Args),
     Compare(compare::Args),
     Plan(plan::Args),
+    Study(study::Args),
     FormFactors(form_factors::Args),
     /// Look for what is wrong with a mesh: leaks, slivers, winding, lamps, closure, conditioning
     #[command(mut_arg("patches", check::fewer), mut_arg("rays", check::usual))]
@@ -55,6 +57,7 @@ fn main() -> ExitCode {
         Command::Render(args) => &args.run,
         Command::Compare(args) => &args.run,
         Command::Plan(args) => &args.run,
+        Command::Study(args) => &args.run,
         Command::FormFactors(args) => &args.run,
         Command::Check(args) => &args.run,
     };
@@ -64,6 +67,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(args, &terminal),
         Command::Compare(args) => compare::run(args, &terminal),
         Command::Plan(args) => plan::run(args, &terminal),
+        Command::Study(args) => study::run(args, &terminal),
         Command::FormFactors(args) => form_factors::run(args, &terminal),
         Command::Check(args) => check::run(args, &terminal),
     });

@@ -3,6 +3,7 @@
 mod compare;
 mod effects;
 mod plan;
+mod study;
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
