@@ -73,6 +73,8 @@
 //! Mirrors and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
 //! beside it.
 //!
+//! Where a [texture](scene::Texture) varies ρ or Lₑ over a surface, patches have its mean; pictures show the texture itself.
+//!
 //! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take [`Sources`](transport::Sources) for what starts in them:
 //! `let sources = Sources::trace(&tracer, &patches, factors.basis(), &LightOptions::default())?`, then
 //! `sources.right_hand_side(&k)` for E, and [`Solution::under`](solve::Solution::under) to add H₀ to the irradiance.

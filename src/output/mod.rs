@@ -35,7 +35,7 @@ pub use self::figure::{
 };
 pub use self::file::{Outputs, replace};
 pub use self::form_factors::{FactorFormat, FactorTable, write_form_factors};
-pub use self::image::{Outlines, RenderOptions, Shading, render};
+pub use self::image::{Outlines, RenderOptions, Shading, Surfaces, render};
 pub use self::mesh::write_ply;
 pub use self::photometry::{Illuminance, illuminance, write_photometry, write_receivers};
 pub use self::picture::{LampPart, Picture};

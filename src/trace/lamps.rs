@@ -42,7 +42,7 @@ struct LampFace {
     corners: [DVec3; 3],
     normal: DVec3,
     area: f64,
-    /// Emitted radiance, averaged over channels.
+    /// Emitted radiance, averaged over channels and the face.
     brightness: f64,
 }
 
@@ -86,7 +86,7 @@ impl Lamps {
         let mut faces: Vec<LampFace> = all
             .filter(|&f| scene.material_of(f as usize).emits())
             .map(|face| {
-                let emission = &scene.material_of(face as usize).emission;
+                let emission = scene.mean_emission(face as usize);
                 LampFace {
                     face,
                     corners: *tracer.corners(face as usize),

@@ -16,7 +16,8 @@ mod path_tracer; // closed forms and another renderer, judged by standard errors
 mod pictures; // what cameras see: ways of shading agree, nothing lit is black
 mod receivers; // light at points that are no patches, and what is reported in lux
 mod saved_factors; // what may change around saved form factors, and what may not
-mod structure; // modules import only from their left
+mod structure;
+mod textures; // pictures on surfaces: averages, light paths, renderings, files // modules import only from their left
 
 mod scenes; // small scenes, made on the spot
 mod scratch; // a temporary folder for all of them

@@ -2,7 +2,7 @@
 
 use radiosity::measure::{Energy, Undershoot};
 use radiosity::output::{
-    self, EnergySummary, Illuminance, PlanEntry, RenderOptions, SeriesSummary, Shading, Summary,
+    self, EnergySummary, Illuminance, PlanEntry, RenderOptions, SeriesSummary, Shading, Summary, Surfaces,
 };
 use radiosity::patches::Basis;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
@@ -90,7 +90,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let whole = solution.clone().under(&sources);
     // Illuminance is shown from patches and corners, however light is.
     let shading = if look.shading == Shading::Flat { Shading::Flat } else { Shading::Smooth };
-    let look = RenderOptions { shading, ..look };
+    let look = RenderOptions { shading, surfaces: Surfaces::Averaged, ..look };
     let false_colours = args.photometric.then(|| {
         let lux = output::illuminance(&whole.irradiance, scene.efficacy());
         output::render(&tracer, &patches, &lux, &camera, &look)
