@@ -2,20 +2,20 @@
 //!
 //! [`write_comparison`] holds an answer against a reference, [`write_bounces`] shows how light builds up bounce by bounce,
 //! [`write_orders_plot`] how the error of the series falls with its order, and
-//! [`write_illuminance`] how much light falls where, in false colours.
+//! [`write_false_colours`] how much light falls or leaves where.
 
 mod bounces;
 mod canvas;
 mod comparison;
 mod diverging;
-mod illuminance;
+mod false_colours;
 mod orders;
 mod panel;
 mod text;
 
 pub use bounces::{BouncePictures, write_bounces};
 pub use comparison::{ComparisonOptions, write_comparison};
-pub use illuminance::write_illuminance;
+pub use false_colours::{Quantity, write_false_colours};
 pub use orders::{OrdersPlot, write_orders_plot};
 
 /// The number of the form 1, 2 or 5 · 10ᵏ at or next above `x`, to six digits; 1 where `x` is not positive and finite.

@@ -324,7 +324,9 @@ impl<'a, 's> View<'a, 's> {
     fn sky_behind(&self, ray: &Ray) -> Option<Seen> {
         let shares = self.sky.as_ref().filter(|_| self.tracer.is_clear(ray, f64::INFINITY))?;
         let zenith: DVec3 = to_rgb(&self.tracer.scene().sky()?.zenith).into();
-        Some(Seen { radiance: zenith * shares.from(ray.direction), is_lamp: true, outline: 1.0 })
+        let (share, tint) = shares.tinted(ray.direction);
+        let tint = tint.map_or(DVec3::ONE, DVec3::from);
+        Some(Seen { radiance: zenith * share * tint, is_lamp: true, outline: 1.0 })
     }
 
     /// What is seen at a point of the picture, if `meet` tells what the ray meets and the radiance that leaves there.
