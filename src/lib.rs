@@ -59,7 +59,7 @@
 //! | S_ij = A_i F_ij = S_ji | exchange area | m² | n × n |
 //! | K = diag(ρ) F | transport operator | 1 | n × n |
 //! | H = H₀ + π F L | irradiance | W·m⁻² | n × c |
-//! | H₀ | irradiance by lights without area (point, spot, sun, sky) | W·m⁻² | n × c |
+//! | H₀ | irradiance by lights without area (point, spot, luminaire, sun, sky) | W·m⁻² | n × c |
 //! | B = π L | radiosity (radiant exitance) | W·m⁻² | n × c |
 //! | Φ = Σ A B | radiant flux (power) | W | c |
 //!

@@ -14,6 +14,7 @@
 
 mod carriers;
 mod lit;
+mod measured;
 mod textured;
 
 use std::f64::consts::PI;
@@ -40,8 +41,11 @@ fn main() -> io::Result<ExitCode> {
         lit::daylit_room(),
         lit::spot_gallery(),
         textured::textured_room(),
+        measured::office(),
+        measured::pavilion(),
     ];
     textured::write_pictures(&folder)?;
+    measured::write_files(&folder)?;
     let mut all_right = true;
     for scene in &scenes {
         scene.write(&folder)?;

@@ -121,7 +121,7 @@ fn hash(i: i64, j: i64) -> f64 {
 }
 
 /// Smooth noise with `period` cells each way, so that it repeats.
-fn noise(x: f64, y: f64, period: [i64; 2]) -> f64 {
+pub(super) fn noise(x: f64, y: f64, period: [i64; 2]) -> f64 {
     let (x, y) = (x * period[0] as f64, y * period[1] as f64);
     let (i, j) = (x.floor(), y.floor());
     let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
@@ -131,11 +131,11 @@ fn noise(x: f64, y: f64, period: [i64; 2]) -> f64 {
     (at(0, 0) * (1.0 - s) + at(1, 0) * s) * (1.0 - t) + (at(0, 1) * (1.0 - s) + at(1, 1) * s) * t
 }
 
-fn shade(colour: [f64; 3], factor: f64) -> [f64; 3] {
+pub(super) fn shade(colour: [f64; 3], factor: f64) -> [f64; 3] {
     colour.map(|x| x * factor)
 }
 
-fn mix(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
+pub(super) fn mix(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
     [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * t)
 }
 

@@ -7,7 +7,9 @@
 mod builtin;
 mod camera;
 mod degenerate;
+mod environment;
 mod glass;
+mod ies;
 mod light;
 mod light_settings;
 mod lines;
@@ -27,6 +29,8 @@ use std::path::{Path, PathBuf};
 use glam::{DVec2, DVec3};
 
 pub use camera::Camera;
+pub use environment::Environment;
+pub use ies::IntensityTable;
 pub use light::Light;
 pub use material::{Material, Surface};
 pub use photometry::{EFFICACY, luminance};
@@ -284,6 +288,7 @@ impl Scene {
         }
         let powers = || lights.iter().map(Light::power).chain(sky.as_ref().map(|sky| sky.zenith.as_slice()));
         if materials.iter().all(Material::is_grey)
+            && sky.as_ref().is_none_or(Sky::is_colourless)
             && powers().all(|power| power.iter().all(|x| *x == power[0]))
         {
             channels = 1;

@@ -8,6 +8,7 @@
 //! the cube [-1, 1]³, so that neither its size nor its place can matter. [`Frame`] converts.
 
 mod bvh;
+mod environment;
 mod lamps;
 mod lights;
 pub mod sampling;
@@ -22,7 +23,7 @@ use bvh::Bvh;
 pub use lamps::{LampPoint, LampView, Lamps, form_factor_to_triangle, geometry_term};
 pub use lights::{Beam, Lights, solid_angle};
 pub use scatter::{Destination, Scattered, fresnel};
-pub use sky::SkySampler;
+pub use sky::{SkyBeam, SkySampler};
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.
 ///

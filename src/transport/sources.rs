@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::{Mass, Transport};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
-use crate::trace::{Lights, Ray, Tracer, sampling};
+use crate::trace::{Lights, Ray, SkyBeam, Tracer, sampling};
 
 /// The streams of random sequences towards lights, one per light, and into the sky; apart from all others.
 const STREAM: u64 = 1 << 53;
@@ -126,7 +126,7 @@ impl Look<'_> {
         let facet = self.patches.facet(self.tracer, slot);
         let [a, b, c] = facet.corners;
         let area = self.patches.areas()[patch];
-        let mut add = |sums: [f64; N], scale: f64, power: &[f64]| {
+        let add = |sums: [f64; N], scale: f64, power: &[f64], moments: &mut [f64]| {
             for (row, sum) in moments.chunks_exact_mut(self.channels).zip(sums) {
                 row.iter_mut().zip(power).for_each(|(moment, power)| *moment += area * scale * sum * power);
             }
@@ -161,21 +161,34 @@ impl Look<'_> {
                 Some(_) => 0.0,
                 None => 1.0 / f64::from(rays),
             };
-            add(seen, scale, self.lights.power(light));
+            add(seen, scale, self.lights.power(light), moments);
         }
         if let Some(sky) = self.lights.sky() {
             let (sequence, points) = sampling::Sequence::stretch(self.seed, SKY_STREAM, slot, 0, self.rays);
+            // Skies of one colour are summed up once, others channel by channel.
             let mut seen = [0.0; N];
+            let scale = area / f64::from(self.rays);
             for k in points {
                 let [s, t, u, v] = sequence.point(k);
                 let [s, t] = sampling::uniform_triangle([s, t]);
-                let (direction, weight) = sky.sample(facet.normal, [u, v]);
+                let SkyBeam { direction, weight, tint } = sky.sample(facet.normal, [u, v]);
                 let ray = Ray { origin: a + (b - a) * s + (c - a) * t, direction, from: facet.face };
-                if weight > 0.0 && self.tracer.is_clear(&ray, f64::INFINITY) {
-                    seen.iter_mut().zip(phi([s, t])).for_each(|(sum, phi)| *sum += weight * phi);
+                if !(weight > 0.0 && self.tracer.is_clear(&ray, f64::INFINITY)) {
+                    continue;
+                }
+                match tint {
+                    None => seen.iter_mut().zip(phi([s, t])).for_each(|(sum, phi)| *sum += weight * phi),
+                    Some(tint) => {
+                        for (row, phi) in moments.chunks_exact_mut(self.channels).zip(phi([s, t])) {
+                            let channels = row.iter_mut().zip(tint).zip(sky.zenith());
+                            channels.for_each(|((sum, tint), zenith)| {
+                                *sum += scale * weight * phi * tint * zenith
+                            });
+                        }
+                    }
                 }
             }
-            add(seen, 1.0 / f64::from(self.rays), sky.zenith());
+            add(seen, 1.0 / f64::from(self.rays), sky.zenith(), moments);
         }
     }
 }

@@ -3,11 +3,13 @@
 mod carriers; // mirrors and glass: closed forms, another renderer, bad input, pictures, saved form factors
 mod commands; // what the program writes, prints and answers
 mod comparison; // the verdict on right solvers and on wrong ones
+mod environments; // skies from pictures
 mod files; // what scene files mean, and how bad ones are refused
 mod form_factor_files; // form factors as CSV, Matrix Market and NumPy files, and the command that writes them
 mod form_factors; // closed forms, judged by standard errors
 mod hard_cases; // near-singular, tiny, huge, degenerate: every solver, both storages
 mod health; // what check finds, on sound scenes and on broken ones
+mod ies; // photometric files of luminaires
 mod lamp_columns; // direct light without bias
 mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, an independent reference
 mod lights; // lights without area and skies: closed forms, energy, the path tracer, settings

@@ -7,6 +7,7 @@ mod beams;
 mod estimate;
 mod lights;
 mod rounds;
+mod surroundings;
 mod walk;
 
 use std::f64::consts::FRAC_1_PI;
