@@ -3,8 +3,10 @@
 //! [`PathTracer`] is the independent witness; [`Comparison`] holds an answer against it. [`Energy`] and the health reports need no
 //! witness: they look at the answer itself.
 
+mod accuracy;
 mod comparison;
 mod energy;
+mod error_bars;
 mod health;
 mod path_tracer;
 mod undershoot;
@@ -13,11 +15,13 @@ use crate::patches::PatchError;
 use crate::progress::Cancelled;
 use crate::solve::SolveError;
 use crate::transport::TransportError;
+pub use accuracy::{AccuracyStep, Accurate, Ending, Goal, Resource, Setting, Tolerated, reach};
 pub use comparison::{
     Agreement, Comparison, Difference, MeshError, OrderOptions, OrderRow, Reason, ReferenceError,
     ReferenceRow, RelativeRms, Worst,
 };
 pub use energy::Energy;
+pub use error_bars::{ErrorBars, ErrorBudget, ErrorPart};
 pub use health::{Finding, Verdict, mesh_health, operator_health};
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
 pub use undershoot::Undershoot;

@@ -100,6 +100,11 @@ impl SkySampler {
         SkyBeam { direction, weight: share * cosine / self.pdf(normal, direction), tint }
     }
 
+    /// Whether its beams have tints: directions differ in colour.
+    pub fn is_tinted(&self) -> bool {
+        self.environment.is_some()
+    }
+
     /// Whether all directions are alike.
     fn is_even(&self) -> bool {
         self.chances.is_empty() && self.environment.is_none()

@@ -67,12 +67,24 @@ impl TraceOptions<'_> {
         self.lamp_rays.unwrap_or(rays / 2).min(most).next_multiple_of(BATCHES)
     }
 
+    /// How rows of so many patches are traced.
+    pub(super) fn recipe(&self, patches: usize) -> Result<Recipe, TransportError> {
+        self.check(patches)?;
+        let rays = self.rays.unwrap_or(Self::usual_rays(patches)).next_multiple_of(BATCHES);
+        let count = RayCount { rays, lamp_rays: self.lamp_rays_for(rays) };
+        Ok(Recipe { count, seed: self.seed, basis: self.basis })
+    }
+
     /// Refuses what can't be done with so many patches, before any time is spent on it.
     ///
     /// # Errors
     /// `Rays` or `Memory`.
     pub fn check(&self, patches: usize) -> Result<(), TransportError> {
-        let rays = self.rays.unwrap_or(Self::usual_rays(patches));
+        self.check_rays(patches, self.rays.unwrap_or(Self::usual_rays(patches)))
+    }
+
+    /// The same for so many rays.
+    pub(super) fn check_rays(&self, patches: usize, rays: u32) -> Result<(), TransportError> {
         let most = BATCHES * sampling::SEQUENCE_END;
         if !(BATCHES..=most).contains(&rays) {
             return Err(TransportError::Rays { rays, most });
@@ -133,11 +145,9 @@ impl FormFactors {
         if patches.is_empty() {
             return Err(TransportError::Dark);
         }
-        options.check(patches.len())?;
-        let rays = options.rays.unwrap_or(TraceOptions::usual_rays(patches.len())).next_multiple_of(BATCHES);
+        let recipe = options.recipe(patches.len())?;
+        let rays = recipe.count.rays;
         options.progress.at("trace", 0.0)?;
-        let count = RayCount { rays, lamp_rays: options.lamp_rays_for(rays) };
-        let recipe = Recipe { count, seed: options.seed, basis: options.basis };
         let rows = Rows::trace(tracer, patches, recipe, options.progress)?;
         options.progress.at("balance", 0.0)?;
         let exchange = Exchange::from_rows(&rows, patches, options.storage, None, options.progress)?;
@@ -163,6 +173,11 @@ impl FormFactors {
     /// The rays, if they were kept.
     pub(super) fn rows(&self) -> Option<&Rows> {
         self.rows.as_ref()
+    }
+
+    /// The rays alone, if they were kept.
+    pub(super) fn into_rows(self) -> Option<Rows> {
+        self.rows
     }
 
     /// Rays per patch.

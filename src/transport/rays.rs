@@ -8,7 +8,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::caustics::Caustics;
-use super::lamp_columns::{LampShare, Seen, look_at_lamps};
+use super::lamp_columns::{Look, Seen, look_at_lamps};
 use super::landing::{End, Spot};
 use super::recipe::{BATCHES, Recipe};
 use crate::patches::{Basis, Patches};
@@ -63,9 +63,7 @@ pub(super) struct Row {
     /// Where in these slots they landed; nothing for constant elements.
     pub spots: Vec<Spot>,
     /// What is known of its form factors to lamps. Lamps themselves know only their rays.
-    pub lamp_shares: Vec<LampShare>,
-    /// Each share once more, split by pairs of basis functions, first the receiver's; nothing for constant elements.
-    pub lamp_moments: Vec<[f32; 9]>,
+    pub lamps: Look,
 }
 
 /// The rows of all slots that are or were patches, by slot.
@@ -176,7 +174,7 @@ fn trace_row(tracer: &Tracer, patches: &Patches, goals: &Goals, slot: u32, recip
             landings.push(end);
         }
     }
-    let mut row = Row { slot, landings, spots, lamp_shares: Vec::new(), lamp_moments: Vec::new() };
+    let mut row = Row { slot, landings, spots, lamps: Look::default() };
     look_for_lamps(tracer, patches, goals, &mut row, recipe);
     row
 }
@@ -217,8 +215,8 @@ pub(super) fn origins(slot: u32, recipe: Recipe) -> impl Iterator<Item = Spot> {
 
 /// Fills in what a row knows of lamps.
 fn look_for_lamps(tracer: &Tracer, patches: &Patches, goals: &Goals, row: &mut Row, recipe: Recipe) {
-    (row.lamp_shares, row.lamp_moments) = if goals.slots.is_empty() || goals.contain(row.slot) {
-        (Vec::new(), Vec::new())
+    row.lamps = if goals.slots.is_empty() || goals.contain(row.slot) {
+        Look::default()
     } else {
         // Light sampling sees what is straight ahead; hits by way of carriers are known from rays alone.
         let straight = |end: End| end.slot().filter(|&slot| !end.is_carried() && goals.contain(slot));

@@ -45,6 +45,9 @@ pub struct Sources {
     pub emitted: DMatrix<f64>,
     /// Irradiance H₀ by lights without area and the sky, W·m⁻²; none where a scene has none.
     pub direct: Option<DMatrix<f64>>,
+    /// By how much more H₀ each eighth of the rays towards lights would have found by itself: eight samples of its noise, N × c, W·m⁻²; none
+    /// where there are no such lights.
+    pub spread: Vec<DMatrix<f64>>,
 }
 
 impl Sources {
@@ -59,11 +62,12 @@ impl Sources {
         options: &LightOptions,
     ) -> Result<Self, Cancelled> {
         let emitted = basis.coefficients_of(&patches.sources());
-        let Some(lights) = Lights::new(tracer) else { return Ok(Self { emitted, direct: None }) };
+        let Some(lights) = Lights::new(tracer) else { return Ok(emitted.into()) };
         let rays = options.rays.clamp(1, sampling::SEQUENCE_END);
         let channels = emitted.ncols();
         let look = Look { tracer, patches, lights, rays, seed: options.seed, channels };
-        let each = basis.coefficients() * channels;
+        // All rays together, then each part of them by itself.
+        let each = (1 + PARTS) * basis.coefficients() * channels;
         let mut moments = vec![0.0; each * patches.len()];
         for (chunk, rows) in moments.chunks_mut(CHUNK * each).enumerate() {
             options.progress.at("light", (chunk * CHUNK) as f64 / patches.len() as f64)?;
@@ -73,9 +77,16 @@ impl Sources {
             });
         }
         options.progress.at("light", 1.0)?;
-        let mut direct = DMatrix::from_row_slice(emitted.nrows(), channels, &moments);
-        Mass::new(basis, patches.areas()).solve(&mut direct, 1.0);
-        Ok(Self { emitted, direct: Some(direct) })
+        let mass = Mass::new(basis, patches.areas());
+        let mut fields = (0..=PARTS).map(|part| {
+            let coefficients = moments.chunks_exact(each / (1 + PARTS)).skip(part).step_by(1 + PARTS);
+            let mut field =
+                DMatrix::from_row_iterator(emitted.nrows(), channels, coefficients.flatten().copied());
+            mass.solve(&mut field, 1.0);
+            field
+        });
+        let direct = fields.next();
+        Ok(Self { direct, spread: fields.collect(), emitted })
     }
 
     /// The right-hand side E = Lₑ + ρH₀/π, N × c.
@@ -100,7 +111,44 @@ impl Sources {
 impl From<DMatrix<f64>> for Sources {
     /// Emitted radiance (N × c) alone.
     fn from(emitted: DMatrix<f64>) -> Self {
-        Self { emitted, direct: None }
+        Self { emitted, direct: None, spread: Vec::new() }
+    }
+}
+
+/// Parts of the rays by which their noise is told.
+const PARTS: usize = 8;
+
+/// What rays towards one light find, part by part.
+struct Parts<const N: usize> {
+    /// What they would bring if nothing stood in their way.
+    whole: [f64; PARTS],
+    /// What they do bring, by basis function.
+    seen: [[f64; N]; PARTS],
+}
+
+impl<const N: usize> Default for Parts<N> {
+    fn default() -> Self {
+        Self { whole: [0.0; PARTS], seen: [[0.0; N]; PARTS] }
+    }
+}
+
+impl<const N: usize> Parts<N> {
+    #[inline]
+    fn add(&mut self, part: usize, weight: f64, phi: [f64; N]) {
+        self.seen[part].iter_mut().zip(phi).for_each(|(sum, phi)| *sum += weight * phi);
+    }
+
+    /// What all bring; then by how much more each part would bring in the place of all, where a part of more weight is not taken for one that
+    /// sees more.
+    fn sums(&self) -> [[f64; N]; 1 + PARTS] {
+        let all: [f64; N] = std::array::from_fn(|a| self.seen.iter().map(|seen| seen[a]).sum());
+        let whole: f64 = self.whole.iter().sum();
+        let parts = PARTS as f64;
+        let more = |part: usize, a: usize| {
+            let share = if whole > 0.0 { self.whole[part] / whole } else { 0.0 };
+            parts * (self.seen[part][a] - share * all[a])
+        };
+        std::array::from_fn(|k| if k == 0 { all } else { std::array::from_fn(|a| more(k - 1, a)) })
     }
 }
 
@@ -115,7 +163,8 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Adds ∫ φ_a H₀ dA over a patch to `moments`, a row of channels for each of the basis functions `phi`.
+    /// Adds ∫ φ_a H₀ dA over a patch to `moments`, a row of channels for each of the basis functions `phi`; and after that, for each part of
+    /// the rays, by how much more it finds.
     fn add_moments<const N: usize>(
         &self,
         patch: usize,
@@ -126,8 +175,8 @@ impl Look<'_> {
         let facet = self.patches.facet(self.tracer, slot);
         let [a, b, c] = facet.corners;
         let area = self.patches.areas()[patch];
-        let add = |sums: [f64; N], scale: f64, power: &[f64], moments: &mut [f64]| {
-            for (row, sum) in moments.chunks_exact_mut(self.channels).zip(sums) {
+        let mut add = |seen: &Parts<N>, scale: f64, power: &[f64]| {
+            for (row, sum) in moments.chunks_exact_mut(self.channels).zip(seen.sums().as_flattened()) {
                 row.iter_mut().zip(power).for_each(|(moment, power)| *moment += area * scale * sum * power);
             }
         };
@@ -140,7 +189,8 @@ impl Look<'_> {
             let rays = self.rays.div_ceil(4);
             let stream = STREAM + ((light as u64) << 32);
             let (sequence, points) = sampling::Sequence::stretch(self.seed, stream, slot, 0, rays);
-            let (mut whole, mut seen) = (0.0, [0.0; N]);
+            let mut seen = Parts::<N>::default();
+            let first = points.start;
             for k in points {
                 let [s, t, u, v] = sequence.point(k);
                 let [s, t] = sampling::uniform_triangle([s, t]);
@@ -150,24 +200,29 @@ impl Look<'_> {
                 if !(weight > 0.0 && weight.is_finite()) {
                     continue;
                 }
-                whole += weight;
+                let part = ((k - first) as usize * PARTS) / rays as usize;
+                seen.whole[part] += weight;
                 if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, (point, facet.face)) {
-                    seen.iter_mut().zip(phi([s, t])).for_each(|(sum, phi)| *sum += weight * beam.share * phi);
+                    seen.add(part, weight * beam.share, phi([s, t]));
                 }
             }
+            let whole: f64 = seen.whole.iter().sum();
             // Scale to what is known of all rays together.
             let scale = match mean {
                 Some(mean) if whole > 0.0 => mean / whole,
                 Some(_) => 0.0,
-                None => 1.0 / f64::from(rays),
+                None => {
+                    seen.whole = [1.0; PARTS];
+                    1.0 / f64::from(rays)
+                }
             };
-            add(seen, scale, self.lights.power(light), moments);
+            add(&seen, scale, self.lights.power(light));
         }
         if let Some(sky) = self.lights.sky() {
             let (sequence, points) = sampling::Sequence::stretch(self.seed, SKY_STREAM, slot, 0, self.rays);
-            // Skies of one colour are summed up once, others channel by channel.
-            let mut seen = [0.0; N];
-            let scale = area / f64::from(self.rays);
+            // A sky of one colour is summed up once, others channel by channel.
+            let mut seen = [(); 3].map(|()| Parts::<N> { whole: [1.0; PARTS], ..Default::default() });
+            let first = points.start;
             for k in points {
                 let [s, t, u, v] = sequence.point(k);
                 let [s, t] = sampling::uniform_triangle([s, t]);
@@ -176,19 +231,26 @@ impl Look<'_> {
                 if !(weight > 0.0 && self.tracer.is_clear(&ray, f64::INFINITY)) {
                     continue;
                 }
+                let part = ((k - first) as usize * PARTS) / self.rays as usize;
                 match tint {
-                    None => seen.iter_mut().zip(phi([s, t])).for_each(|(sum, phi)| *sum += weight * phi),
+                    None => seen[0].add(part, weight, phi([s, t])),
                     Some(tint) => {
-                        for (row, phi) in moments.chunks_exact_mut(self.channels).zip(phi([s, t])) {
-                            let channels = row.iter_mut().zip(tint).zip(sky.zenith());
-                            channels.for_each(|((sum, tint), zenith)| {
-                                *sum += scale * weight * phi * tint * zenith
-                            });
-                        }
+                        let channels = seen.iter_mut().zip(tint).take(self.channels);
+                        channels.for_each(|(seen, tint)| seen.add(part, weight * tint, phi([s, t])));
                     }
                 }
             }
-            add(seen, 1.0 / f64::from(self.rays), sky.zenith(), moments);
+            let scale = 1.0 / f64::from(self.rays);
+            match sky.is_tinted() {
+                false => add(&seen[0], scale, sky.zenith()),
+                true => {
+                    for (c, (seen, zenith)) in seen.iter().zip(sky.zenith()).enumerate() {
+                        let mut alone = [0.0; 3];
+                        alone[c] = *zenith;
+                        add(seen, scale, &alone);
+                    }
+                }
+            }
         }
     }
 }
