@@ -231,7 +231,7 @@ fn luminaire() -> String {
 fn sky(x: f64, y: f64) -> [f64; 3] {
     let elevation = (0.5 - y) * PI;
     if elevation < 0.0 {
-        return shade([0.16, 0.15, 0.13], 1.0 + 0.3 * noise(x, y, [24, 12]));
+        return shade([0.66, 0.60, 0.52], 1.0 + 0.15 * noise(x, y, [24, 12]));
     }
     let height = elevation.sin();
     let mut colour = mix([1.05, 0.86, 0.66], [0.16, 0.34, 0.80], height.powf(0.45));
@@ -244,7 +244,7 @@ fn sky(x: f64, y: f64) -> [f64; 3] {
     let turn = (x - sun_x) * 2.0 * PI;
     let cosine = elevation.sin() * sun_elevation.sin() + elevation.cos() * sun_elevation.cos() * turn.cos();
     let apart = cosine.clamp(-1.0, 1.0).acos() * 180.0 / PI;
-    let disc = if apart < 2.0 { 420.0 } else { 0.0 };
+    let disc = if apart < 2.0 { 2600.0 } else { 0.0 };
     let glow = 2.2 * (-apart / 9.0).exp() + 0.5 * (-apart / 30.0).exp();
     let warm = shade([1.0, 0.88, 0.68], disc + glow);
     [0, 1, 2].map(|c| colour[c] + warm[c])
