@@ -299,7 +299,8 @@ mod tests {
     fn symmetric_tables_stand_for_whole_ones() {
         let vertical = steps(0.0, 180.0, 18);
         // Each is symmetric in the way that its table says.
-        let cases: [(Vec<f64>, fn(f64) -> f64); 5] = [
+        type Case = (Vec<f64>, fn(f64) -> f64);
+        let cases: [Case; 5] = [
             (vec![0.0], |_| 1.0),
             (steps(0.0, 90.0, 6), |h| 2.0 + (2.0 * h.to_radians()).cos()),
             (steps(0.0, 180.0, 12), |h| 2.0 + h.to_radians().cos()),

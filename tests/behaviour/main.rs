@@ -4,6 +4,7 @@ mod carriers; // mirrors and glass: closed forms, another renderer, bad input, p
 mod commands; // what the program writes, prints and answers
 mod comparison; // the verdict on right solvers and on wrong ones
 mod environments; // skies from pictures
+mod error_bars; // what an answer says of its own error, held against what the error is
 mod files; // what scene files mean, and how bad ones are refused
 mod form_factor_files; // form factors as CSV, Matrix Market and NumPy files, and the command that writes them
 mod form_factors; // closed forms, judged by standard errors
@@ -18,8 +19,8 @@ mod path_tracer; // closed forms and another renderer, judged by standard errors
 mod pictures; // what cameras see: ways of shading agree, nothing lit is black
 mod receivers; // light at points that are no patches, and what is reported in lux
 mod saved_factors; // what may change around saved form factors, and what may not
-mod structure;
-mod textures; // pictures on surfaces: averages, light paths, renderings, files // modules import only from their left
+mod structure; // modules import only from their left
+mod textures; // pictures on surfaces: averages, light paths, renderings, files
 
 mod scenes; // small scenes, made on the spot
 mod scratch; // a temporary folder for all of them

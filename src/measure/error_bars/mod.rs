@@ -92,10 +92,10 @@ impl ErrorBars {
         solution: &Solution,
         progress: Progress,
     ) -> Result<Self, MeasureError> {
-        progress.at("errors", 0.0)?;
+        progress.at("solve", 0.0)?;
         let irradiance = factors.basis().means(&solution.irradiance);
         let noise = Noise::of(patches, factors, sources, &solution.radiance)?;
-        progress.at("errors", 0.5)?;
+        progress.at("solve", 0.5)?;
         let change_by_patch = mesh::mesh_error(patches, factors, sources, &irradiance)?;
         let faces = Faces { patches, irradiance: patches.average_by_face(&irradiance) };
         let [rays, lamps] = [&noise.rays, &noise.lamps].map(|batches| faces.batches(batches));
@@ -126,7 +126,7 @@ impl ErrorBars {
             bar(irradiance[(i, c)], noise::variance(&both, (i, c)), change_by_patch[(i, c)])
         });
         let budget = ErrorBudget { relative_rms, upper95, irradiance: faces.typical(), parts };
-        progress.at("errors", 1.0)?;
+        progress.at("solve", 1.0)?;
         Ok(Self { patches: by_patch, faces: by_face.collect(), budget })
     }
 }
