@@ -65,7 +65,7 @@ fn illuminance_under_a_luminaire_is_that_of_its_table_by_the_inverse_square() {
             let exact = by_table(&table, position - point);
             assert!((EFFICACY * found[i] / exact - 1.0).abs() < 1e-9, "{name} {point}: {} {exact}", found[i]);
         }
-        // Over patches it is the mean, which differs by their size squared, and by the table's kinks.
+        // Over patches it is the mean, which differs from the middle's by their size squared, and by the kinks of the table within them.
         let found = Sources::trace(&tracer, &patches, Basis::Constant, &options).unwrap().direct.unwrap();
         let (mut squares, mut whole) = (0.0, 0.0);
         for i in 0..patches.len() {
@@ -74,7 +74,7 @@ fn illuminance_under_a_luminaire_is_that_of_its_table_by_the_inverse_square() {
             whole += exact * exact;
         }
         let apart = (squares / whole).sqrt();
-        assert!(apart < 3e-4, "{name}: {apart}");
+        assert!(apart < 1e-3, "{name}: {apart}");
     }
 }
 
