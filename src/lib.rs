@@ -59,7 +59,7 @@
 //! | S_ij = A_i F_ij = S_ji | exchange area | m² | n × n |
 //! | K = diag(ρ) F | transport operator | 1 | n × n |
 //! | H = H₀ + π F L | irradiance | W·m⁻² | n × c |
-//! | H₀ | irradiance by lights without area (point, spot, sun, sky) | W·m⁻² | n × c |
+//! | H₀ | irradiance by lights without area (point, spot, luminaire, sun, sky) | W·m⁻² | n × c |
 //! | B = π L | radiosity (radiant exitance) | W·m⁻² | n × c |
 //! | Φ = Σ A B | radiant flux (power) | W | c |
 //!
@@ -72,6 +72,8 @@
 //!
 //! Mirrors and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
 //! beside it.
+//!
+//! Where a [texture](scene::Texture) varies ρ or Lₑ over a surface, patches have its mean; pictures show the texture itself.
 //!
 //! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take [`Sources`](transport::Sources) for what starts in them:
 //! `let sources = Sources::trace(&tracer, &patches, factors.basis(), &LightOptions::default())?`, then

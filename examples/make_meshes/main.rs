@@ -14,6 +14,8 @@
 
 mod carriers;
 mod lit;
+mod measured;
+mod textured;
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -38,7 +40,12 @@ fn main() -> io::Result<ExitCode> {
         carriers::glass_balls(),
         lit::daylit_room(),
         lit::spot_gallery(),
+        textured::textured_room(),
+        measured::office(),
+        measured::pavilion(),
     ];
+    textured::write_pictures(&folder)?;
+    measured::write_files(&folder)?;
     let mut all_right = true;
     for scene in &scenes {
         scene.write(&folder)?;
@@ -536,6 +543,8 @@ fn reversed([a, b, c, d]: Quad) -> Quad {
 struct Mesh {
     vertices: Vec<Point>,
     polygons: Vec<Polygon>,
+    /// Texture coordinates.
+    coordinates: Vec<[f64; 2]>,
     object: &'static str,
     material: &'static str,
     place: Option<Place>,
@@ -545,6 +554,8 @@ struct Polygon {
     object: &'static str,
     material: &'static str,
     corners: Vec<usize>,
+    /// Places in `coordinates`, one a corner; empty where no picture lies on it.
+    coordinates: Vec<usize>,
 }
 
 /// Where a piece of furniture stands, and the horizontal unit vector (x, z) it faces.
@@ -579,7 +590,23 @@ impl Mesh {
     /// One polygon, counter-clockwise seen from its front.
     fn face(&mut self, corners: &[Point]) {
         let corners = corners.iter().map(|&point| self.vertex(point)).collect();
-        self.polygons.push(Polygon { object: self.object, material: self.material, corners });
+        let (object, material, coordinates) = (self.object, self.material, Vec::new());
+        self.polygons.push(Polygon { object, material, corners, coordinates });
+    }
+
+    /// A quad on which a picture lies, so many times from its first corner to the second and from there to the third.
+    fn mapped(&mut self, quad: &Quad, [across, up]: [f64; 2]) {
+        self.face(quad);
+        let coordinates = [[0.0, 0.0], [across, 0.0], [across, up], [0.0, up]];
+        let places = coordinates.map(|at| self.coordinate(at)).to_vec();
+        self.polygons.last_mut().expect("the quad").coordinates = places;
+    }
+
+    fn coordinate(&mut self, at: [f64; 2]) -> usize {
+        self.coordinates.iter().position(|known| *known == at).unwrap_or_else(|| {
+            self.coordinates.push(at);
+            self.coordinates.len() - 1
+        })
     }
 
     fn vertex(&mut self, point: Point) -> usize {
@@ -752,6 +779,8 @@ struct Material {
     reflectance: [f64; 3],
     radiance: Option<[f64; 3]>,
     finish: Finish,
+    /// The entry that names a picture, and its file.
+    picture: Option<(&'static str, &'static str)>,
 }
 
 enum Finish {
@@ -764,11 +793,15 @@ enum Finish {
 
 impl Material {
     fn matt(name: &'static str, reflectance: [f64; 3]) -> Material {
-        Material { name, reflectance, radiance: None, finish: Finish::Matt }
+        Material { name, reflectance, radiance: None, finish: Finish::Matt, picture: None }
     }
 
     fn glowing(name: &'static str, reflectance: [f64; 3], radiance: [f64; 3]) -> Material {
         Material { radiance: Some(radiance), ..Material::matt(name, reflectance) }
+    }
+
+    fn with_picture(self, key: &'static str, file: &'static str) -> Material {
+        Material { picture: Some((key, file)), ..self }
     }
 
     fn mirror(name: &'static str, reflectance: f64) -> Material {
@@ -807,6 +840,9 @@ impl Scene {
         for [x, y, z] in &self.mesh.vertices {
             let _ = writeln!(text, "v {x} {y} {z}");
         }
+        for [u, v] in &self.mesh.coordinates {
+            let _ = writeln!(text, "vt {u} {v}");
+        }
         let (mut object, mut material) = ("", "");
         for polygon in &self.mesh.polygons {
             if polygon.object != object {
@@ -818,8 +854,11 @@ impl Scene {
                 let _ = writeln!(text, "usemtl {material}");
             }
             text += "f";
-            for corner in &polygon.corners {
-                let _ = write!(text, " {}", corner + 1);
+            for (k, corner) in polygon.corners.iter().enumerate() {
+                let _ = match polygon.coordinates.get(k) {
+                    Some(at) => write!(text, " {}/{}", corner + 1, at + 1),
+                    None => write!(text, " {}", corner + 1),
+                };
             }
             text += "\n";
         }
@@ -830,10 +869,13 @@ impl Scene {
         let mut text = String::from(
             "# Kd: diffuse reflectance. Ke: radiance emitted by the front, W/(sr m2). Linear RGB.\n",
         );
-        for Material { name, reflectance: [r, g, b], radiance, finish } in &self.materials {
+        for Material { name, reflectance: [r, g, b], radiance, finish, picture } in &self.materials {
             let _ = writeln!(text, "\nnewmtl {name}\nKd {r} {g} {b}");
             if let Some([r, g, b]) = radiance {
                 let _ = writeln!(text, "Ke {r} {g} {b}");
+            }
+            if let Some((key, file)) = picture {
+                let _ = writeln!(text, "{key} {file}");
             }
             let _ = match finish {
                 Finish::Matt => writeln!(text, "illum 1"),

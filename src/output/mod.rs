@@ -31,14 +31,17 @@ pub use self::comparison::{
     write_comparison_table,
 };
 pub use self::figure::{
-    BouncePictures, ComparisonOptions, OrdersPlot, SmallPlot, write_bounces, write_comparison,
-    write_illuminance, write_knobs_plot, write_orders_plot, write_small_plots, write_study_plot,
+    BouncePictures, ComparisonOptions, OrdersPlot, Quantity, SmallPlot, write_bounces, write_comparison,
+    write_false_colours, write_knobs_plot, write_orders_plot, write_small_plots, write_study_plot,
 };
 pub use self::file::{Outputs, replace};
 pub use self::form_factors::{FactorFormat, FactorTable, write_form_factors};
-pub use self::image::{Outlines, RenderOptions, Shading, render};
+pub use self::image::{Outlines, RenderOptions, Shading, Surfaces, render};
 pub use self::mesh::write_ply;
-pub use self::photometry::{Illuminance, illuminance, write_photometry, write_receivers};
+pub use self::photometry::{
+    Levels, Photometry, luminous, write_luminous_faces, write_luminous_patches, write_photometry,
+    write_receivers,
+};
 pub use self::picture::{LampPart, Picture};
 pub use self::smooth::SmoothField;
 pub use self::study::{

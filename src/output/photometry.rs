@@ -1,4 +1,4 @@
-//! Photometry: what lighting designers report, in lux; and `receivers.csv`.
+//! Photometry: what lighting designers report, in lumens, lux and candelas per square metre; and `receivers.csv`.
 
 use std::io::{self, Write};
 
@@ -8,90 +8,196 @@ use serde::Serialize;
 use super::table::{digits, write_columns};
 use super::to_rgb;
 use crate::patches::Patches;
-use crate::scene::{Receiver, luminance};
+use crate::scene::{Light, Receiver, Scene, luminance};
 
-/// The light on some area or on some points, lx.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Illuminance {
-    /// `material`, `object` or `receiver`.
-    pub kind: &'static str,
-    /// Its name.
-    pub name: String,
-    /// Area, m²: of the sides that light reaches, or of the receiver.
-    pub area: f64,
+/// How a quantity is spread over some area or over some points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Levels {
     /// Mean, weighted by area.
     pub mean: f64,
     /// The lowest mean of a patch, or value at a point.
     pub minimum: f64,
     /// The highest.
     pub maximum: f64,
-    /// U₀: minimum / mean; 0 where no light arrives.
+    /// U₀: minimum / mean; 0 where there is nothing.
     pub uniformity: f64,
-    /// U_d: minimum / maximum; 0 where no light arrives.
+    /// U_d: minimum / maximum; 0 where there is nothing.
     pub diversity: f64,
 }
 
-impl Illuminance {
-    /// Sums up values (lx) with their areas (m²).
-    pub fn of(kind: &'static str, name: &str, values: impl Iterator<Item = (f64, f64)> + Clone) -> Self {
-        let area: f64 = values.clone().map(|(_, area)| area).sum();
-        let mean = values.clone().map(|(value, area)| value * area).sum::<f64>() / area;
-        let minimum = values.clone().map(|(value, _)| value).fold(f64::INFINITY, f64::min);
-        let maximum = values.map(|(value, _)| value).fold(0.0, f64::max);
+impl Levels {
+    /// Sums up values with their areas; none where there are no values.
+    pub fn of(values: impl Iterator<Item = (f64, f64)>) -> Option<Self> {
+        let (mut area, mut whole, mut minimum, mut maximum) = (0.0, 0.0, f64::INFINITY, 0.0f64);
+        for (value, part) in values {
+            area += part;
+            whole += value * part;
+            minimum = minimum.min(value);
+            maximum = maximum.max(value);
+        }
+        let mean = whole / area;
         let ratio = |of: f64| if of > 0.0 { minimum / of } else { 0.0 };
         let (uniformity, diversity) = (ratio(mean), ratio(maximum));
-        Self { kind, name: name.to_owned(), area, mean, minimum, maximum, uniformity, diversity }
+        (area > 0.0).then_some(Self { mean, minimum, maximum, uniformity, diversity })
     }
+}
 
-    /// Every material and object that has patches, from their irradiance (n × c, W·m⁻²) at an efficacy in lm·W⁻¹.
+/// The light of a lamp, or on a material, an object or a receiver.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Photometry {
+    /// `material`, `object`, `light` or `receiver`.
+    pub kind: &'static str,
+    /// Its name.
+    pub name: String,
+    /// Area, m²: of the sides that light reaches, or of the receiver; none of a light without area.
+    pub area: Option<f64>,
+    /// Luminous flux that it emits, lm; none of receivers and of suns, whose flux has no end.
+    pub emitted: Option<f64>,
+    /// Illuminance, lx.
+    pub illuminance: Option<Levels>,
+    /// Luminance, cd/m²; of surfaces.
+    pub luminance: Option<Levels>,
+}
+
+impl Photometry {
+    /// Every material and object that has patches, from their irradiance (W·m⁻²) and radiance (W·sr⁻¹·m⁻²), each n × c.
     ///
     /// # Panics
-    /// If `irradiance` has not n rows.
-    pub fn of_surfaces(patches: &Patches, irradiance: &DMatrix<f64>, efficacy: f64) -> Vec<Self> {
-        assert_eq!(irradiance.nrows(), patches.len(), "one row per patch");
+    /// If either has not n rows.
+    pub fn of_surfaces(patches: &Patches, irradiance: &DMatrix<f64>, radiance: &DMatrix<f64>) -> Vec<Self> {
         let scene = patches.scene();
-        let lux = illuminance(irradiance, efficacy);
-        let values = (0..patches.len()).map(|i| (lux[i], patches.area(i)));
-        let (mut materials, mut objects) =
-            (vec![Vec::new(); scene.materials().len()], vec![Vec::new(); scene.objects().len()]);
-        for (i, value) in values.enumerate() {
-            let face = &scene.faces()[patches.place(i).face];
-            materials[face.material as usize].push(value);
-            objects[face.object as usize].push(value);
-        }
-        let row = |kind, name: &str, members: &Vec<(f64, f64)>| {
-            (!members.is_empty()).then(|| Self::of(kind, name, members.iter().copied()))
+        let [lux, candelas] = [irradiance, radiance].map(|field| luminous(field, scene.efficacy()));
+        let emitted = luminous(&patches.sources(), scene.efficacy());
+        assert!(lux.len() == patches.len() && candelas.len() == patches.len(), "one row per patch");
+        let groups = |kind, names: Vec<&str>, of: &dyn Fn(usize) -> u32| -> Vec<Self> {
+            let mut members = vec![Vec::new(); names.len()];
+            (0..patches.len()).for_each(|i| members[of(patches.place(i).face) as usize].push(i));
+            let row = |(name, members): (&str, Vec<usize>)| {
+                let levels =
+                    |field: &DMatrix<f64>| Levels::of(members.iter().map(|&i| (field[i], patches.area(i))));
+                let flux = |&i: &usize| std::f64::consts::PI * patches.area(i) * emitted[i];
+                Self {
+                    kind,
+                    name: name.to_owned(),
+                    area: Some(members.iter().map(|&i| patches.area(i)).sum()),
+                    emitted: Some(members.iter().map(flux).sum()),
+                    illuminance: levels(&lux),
+                    luminance: levels(&candelas),
+                }
+            };
+            names.into_iter().zip(members).filter(|(_, members)| !members.is_empty()).map(row).collect()
         };
-        let materials = scene.materials().iter().zip(&materials).map(|(m, of)| row("material", &m.name, of));
-        let objects = scene.objects().iter().zip(&objects).map(|(name, of)| row("object", name, of));
-        materials.chain(objects).flatten().collect()
+        let materials = scene.materials().iter().map(|material| material.name.as_str()).collect();
+        let objects = scene.objects().iter().map(String::as_str).collect();
+        let mut rows = groups("material", materials, &|face| scene.faces()[face].material);
+        rows.extend(groups("object", objects, &|face| scene.faces()[face].object));
+        rows
     }
 
-    /// A receiver, from the irradiance of its points (m × c, W·m⁻²).
+    /// Every light without area that shines.
+    pub fn of_lights(scene: &Scene) -> Vec<Self> {
+        let row = |(number, light): (usize, &Light)| {
+            let emitted = light.flux().map(|flux| scene.efficacy() * luminance(&flux));
+            let name = format!("{} {}", light.kind(), number + 1);
+            Self { kind: "light", name, area: None, emitted, illuminance: None, luminance: None }
+        };
+        scene.lights().enumerate().map(row).collect()
+    }
+
+    /// A receiver, from the irradiance of its points (m × c, W·m⁻²) at an efficacy in lm·W⁻¹.
     pub fn of_receiver(receiver: &Receiver, irradiance: &DMatrix<f64>, efficacy: f64) -> Self {
-        let area = receiver.edges[0].cross(receiver.edges[1]).length() / receiver.len() as f64;
-        let lux = illuminance(irradiance, efficacy);
-        Self::of("receiver", &receiver.name, lux.iter().map(|&value| (value, area)))
+        let area = receiver.edges[0].cross(receiver.edges[1]).length();
+        let lux = luminous(irradiance, efficacy);
+        let part = area / receiver.len() as f64;
+        Self {
+            kind: "receiver",
+            name: receiver.name.clone(),
+            area: Some(area),
+            emitted: None,
+            illuminance: Levels::of(lux.iter().map(|&value| (value, part))),
+            luminance: None,
+        }
     }
 }
 
-/// Illuminance (lx, N × 1) of an irradiance (N × c, W·m⁻²) at an efficacy in lm·W⁻¹.
-pub fn illuminance(irradiance: &DMatrix<f64>, efficacy: f64) -> DMatrix<f64> {
-    let of = |i: usize, _| efficacy * luminance(irradiance.row(i).transpose().as_slice());
-    DMatrix::from_fn(irradiance.nrows(), 1, of)
+/// Illuminance (lx) of an irradiance (W·m⁻²), or luminance (cd·m⁻²) of a radiance (W·sr⁻¹·m⁻²), N × c, at an efficacy in lm·W⁻¹; N × 1.
+pub fn luminous(field: &DMatrix<f64>, efficacy: f64) -> DMatrix<f64> {
+    let of = |i: usize, _| efficacy * luminance(field.row(i).transpose().as_slice());
+    DMatrix::from_fn(field.nrows(), 1, of)
 }
 
-/// Writes `photometry.csv`: a row per material, object and receiver, lx.
+/// Writes `photometry.csv`: a row per material, object, light and receiver, each column with its unit.
 ///
 /// # Errors
 /// Those of `writer`.
-pub fn write_photometry(writer: &mut dyn Write, rows: &[Illuminance]) -> io::Result<()> {
-    let columns = ["kind", "name", "area", "mean", "minimum", "maximum", "uniformity", "diversity"];
+pub fn write_photometry(writer: &mut dyn Write, rows: &[Photometry]) -> io::Result<()> {
+    let mut columns: Vec<String> = ["kind", "name", "area_m2", "emitted_lm"].map(str::to_owned).to_vec();
+    for (quantity, unit) in [("illuminance", "lx"), ("luminance", "cd_m2")] {
+        columns.extend(["mean", "minimum", "maximum"].map(|level| format!("{quantity}_{level}_{unit}")));
+        columns.extend(["u0", "ud"].map(|ratio| format!("{quantity}_{ratio}")));
+    }
+    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     write_columns(writer, &columns, |table| {
         rows.iter().try_for_each(|row| {
-            let numbers =
-                [row.area, row.mean, row.minimum, row.maximum, row.uniformity, row.diversity].map(digits);
+            let levels = [row.illuminance, row.luminance].into_iter().flat_map(|levels| match levels {
+                None => [None; 5],
+                Some(l) => [l.mean, l.minimum, l.maximum, l.uniformity, l.diversity].map(Some),
+            });
+            let numbers = [row.area, row.emitted].into_iter().chain(levels);
+            let numbers = numbers.map(|number| number.map_or_else(String::new, digits));
             table.write_record([row.kind.to_owned(), row.name.clone()].into_iter().chain(numbers))
+        })
+    })
+}
+
+/// Writes `faces_photometric.csv`: a row per face and side that light reaches, with means over the face; from irradiance (W·m⁻²) and
+/// radiance (W·sr⁻¹·m⁻²), each n × c.
+///
+/// # Errors
+/// Those of `writer`.
+pub fn write_luminous_faces(
+    writer: &mut dyn Write,
+    patches: &Patches,
+    irradiance: &DMatrix<f64>,
+    radiance: &DMatrix<f64>,
+) -> io::Result<()> {
+    let scene = patches.scene();
+    let [lux, candelas] =
+        [irradiance, radiance].map(|field| patches.average_by_face(&luminous(field, scene.efficacy())));
+    let columns = ["face", "side", "object", "material", "area_m2", "illuminance_lx", "luminance_cd_m2"];
+    write_columns(writer, &columns, |table| {
+        lux.iter().zip(&candelas).try_for_each(|(lux, candelas)| {
+            let object = scene.faces()[lux.face].object as usize;
+            let keys = [lux.face.to_string(), lux.side.name().to_owned(), scene.objects()[object].clone()];
+            let material = [scene.material_of(lux.face).name.clone()];
+            let numbers = [lux.area, lux.mean[0], candelas.mean[0]].map(digits);
+            table.write_record(keys.into_iter().chain(material).chain(numbers))
+        })
+    })
+}
+
+/// Writes `patches_photometric.csv`: a row per patch, with its centre in metres; from irradiance (W·m⁻²) and radiance (W·sr⁻¹·m⁻²), each
+/// n × c.
+///
+/// # Errors
+/// Those of `writer`.
+pub fn write_luminous_patches(
+    writer: &mut dyn Write,
+    patches: &Patches,
+    irradiance: &DMatrix<f64>,
+    radiance: &DMatrix<f64>,
+) -> io::Result<()> {
+    let efficacy = patches.scene().efficacy();
+    let [lux, candelas] = [irradiance, radiance].map(|field| luminous(field, efficacy));
+    let columns =
+        ["patch", "face", "side", "cx_m", "cy_m", "cz_m", "area_m2", "illuminance_lx", "luminance_cd_m2"];
+    write_columns(writer, &columns, |table| {
+        (0..patches.len()).try_for_each(|i| {
+            let place = patches.place(i);
+            let keys = [i.to_string(), place.face.to_string(), place.side.name().to_owned()];
+            let numbers =
+                patches.centre(i).to_array().into_iter().chain([patches.area(i), lux[i], candelas[i]]);
+            table.write_record(keys.into_iter().chain(numbers.map(digits)))
         })
     })
 }

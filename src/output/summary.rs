@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use serde::Serialize;
 
-use super::{Illuminance, to_rgb};
+use super::{Photometry, to_rgb};
 use crate::measure::{AccuracyStep, Energy, ErrorBudget, Undershoot};
 use crate::solve::{Report, Series, Solution};
 use crate::transport::{Closure, Plan};
@@ -51,9 +51,9 @@ pub struct Summary {
     pub energy: EnergySummary,
     /// How well form factors close.
     pub closure: Closure,
-    /// Illuminance by material, object and receiver, lx, where it was asked for or there are receivers.
+    /// Photometry by material, object, light and receiver (m², lm, lx and cd/m²), where it was asked for or there are receivers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub photometry: Vec<Illuminance>,
+    pub photometry: Vec<Photometry>,
     /// How far radiance falls below zero within patches; not at all for constant elements.
     pub undershoot: Undershoot,
     /// How wrong irradiance by face is, and why.

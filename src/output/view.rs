@@ -71,7 +71,7 @@ fn up_axis(tracer: &Tracer, extent: &Extent) -> DVec3 {
     let scene = tracer.scene();
     let power = |f: usize| -> DVec3 {
         let [a, b, c] = *tracer.corners(f);
-        (b - a).cross(c - a) * scene.material_of(f).emission.iter().sum::<f64>()
+        (b - a).cross(c - a) * scene.mean_emission(f).iter().sum::<f64>()
     };
     let kept = (0..scene.faces().len()).filter(|&f| scene.faces()[f].state == FaceState::Kept);
     let down = kept.map(power).sum::<DVec3>().normalize_or_zero();

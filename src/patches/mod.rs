@@ -16,9 +16,10 @@ use std::ops::Range;
 
 use glam::DVec3;
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use crate::progress::{Cancelled, Progress};
-use crate::scene::{Feature, Scene, Side};
+use crate::scene::{FaceTexture, Feature, Scene, Side};
 use crate::trace::{Frame, Ray, Tracer, sampling};
 pub use aggregate::FaceRow;
 pub use basis::Basis;
@@ -377,21 +378,40 @@ impl<'s> Patches<'s> {
         self.point(self.place(patch).face, [0, 1].map(|k| (a[k] + b[k] + c[k]) / 3.0))
     }
 
-    /// Reflectance ρ, n × c.
+    /// Reflectance ρ, n × c; where a texture varies it, its mean over the patch.
     pub fn reflectances(&self) -> DMatrix<f64> {
         let scene = self.scene;
         let of_face: Vec<usize> = (0..self.len()).map(|i| self.place(i).face).collect();
-        DMatrix::from_fn(self.len(), scene.channels(), |i, c| scene.material_of(of_face[i]).reflectance[c])
+        let mut rho = DMatrix::from_fn(self.len(), scene.channels(), |i, c| {
+            scene.material_of(of_face[i]).reflectance[c]
+        });
+        self.vary(&mut rho, |i| scene.reflectance_texture(of_face[i]));
+        rho
     }
 
-    /// Emitted radiance Lₑ, n × c, W·sr⁻¹·m⁻².
+    /// Emitted radiance Lₑ, n × c, W·sr⁻¹·m⁻²; where a texture varies it, its mean over the patch.
     pub fn sources(&self) -> DMatrix<f64> {
         let scene = self.scene;
         let places: Vec<Slot> = (0..self.len()).map(|i| self.place(i)).collect();
-        DMatrix::from_fn(self.len(), scene.channels(), |i, c| match places[i].side {
+        let mut emission = DMatrix::from_fn(self.len(), scene.channels(), |i, c| match places[i].side {
             Side::Front => scene.material_of(places[i].face).emission[c],
             Side::Back => 0.0,
-        })
+        });
+        self.vary(&mut emission, |i| scene.emission_texture(places[i].face));
+        emission
+    }
+
+    /// Multiplies each patch's row by the mean over the patch of its texture, where it has one.
+    fn vary<'t>(&self, rows: &mut DMatrix<f64>, texture: impl Fn(usize) -> Option<FaceTexture<'t>> + Sync) {
+        if !self.scene.has_textures() {
+            return;
+        }
+        let mean = |i: usize| texture(i).map(|texture| texture.mean_over(self.corners(i)));
+        let means: Vec<_> = (0..self.len()).into_par_iter().map(mean).collect();
+        for (mut row, factors) in rows.row_iter_mut().zip(means) {
+            let factors = factors.unwrap_or([1.0; 3]);
+            row.iter_mut().zip(factors).for_each(|(value, factor)| *value *= factor);
+        }
     }
 
     /// Emitted radiance of each material's lamps by themselves; the sum over materials is [`Patches::sources`].

@@ -1,6 +1,8 @@
 //! Feature: what can be left out of a scene, to see what it is worth or to spare its cost.
 
-use super::{FaceState, Material, Scene, Surface, luminance};
+use std::sync::Arc;
+
+use super::{FaceState, Material, Scene, SkyKind, Surface, Textures, luminance};
 
 /// Something that a scene can do without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +22,8 @@ pub enum Feature {
     Lights,
     /// The sky.
     Sky,
+    /// Textures. Without them surfaces have the mean colour of their pictures.
+    Textures,
     /// Receivers.
     Receivers,
 }
@@ -47,6 +51,7 @@ impl Scene {
             }
             Feature::Lights => self.lights.clear(),
             Feature::Sky => self.sky = None,
+            Feature::Textures => self.average_textures(),
             Feature::Receivers => self.receivers.clear(),
         }
         self.left_out.push(feature);
@@ -58,15 +63,36 @@ impl Scene {
         self.left_out.contains(&feature)
     }
 
+    fn average_textures(&mut self) {
+        for material in &mut self.materials {
+            let Textures { reflectance, emission } = std::mem::take(&mut material.textures);
+            for (colour, picture) in
+                [(&mut material.reflectance, reflectance), (&mut material.emission, emission)]
+            {
+                let mean = picture.map_or([1.0; 3], |picture| picture.pixels.mean());
+                colour.iter_mut().zip(mean).for_each(|(colour, factor)| *colour *= factor);
+            }
+        }
+        self.texture_coordinates.clear();
+    }
+
     fn turn_grey(&mut self) {
         let grey = |colour: &mut Vec<f64>| *colour = vec![luminance(colour)];
         for material in &mut self.materials {
             grey(&mut material.reflectance);
             grey(&mut material.emission);
             material.surface.colour_mut().into_iter().for_each(grey);
+            let Textures { reflectance, emission } = &mut material.textures;
+            let pictures = reflectance.iter_mut().chain(emission);
+            pictures.for_each(|picture| picture.pixels = Arc::new(picture.pixels.grey()));
         }
         self.lights.iter_mut().for_each(|light| grey(light.power_mut()));
-        self.sky.iter_mut().for_each(|sky| grey(&mut sky.zenith));
+        if let Some(sky) = &mut self.sky {
+            grey(&mut sky.zenith);
+            if let SkyKind::Environment(environment) = &mut sky.kind {
+                *environment = Arc::new(environment.grey());
+            }
+        }
         self.channels = 1;
     }
 }

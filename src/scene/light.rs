@@ -2,7 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use std::sync::Arc;
+
 use glam::DVec3;
+
+use super::IntensityTable;
 
 /// A light without area. Places and directions are those of the scene; every power has a value per channel.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +31,19 @@ pub enum Light {
         /// Angle over which intensity falls, inwards from the end of all light, degrees, 0 to `cone`.
         penumbra: f64,
     },
+    /// A luminaire small beside its distance, which sends what its photometric file says in each direction.
+    Ies {
+        /// Where, metres.
+        position: DVec3,
+        /// Where the file's vertical angle 0 points, a unit vector; usually down.
+        direction: DVec3,
+        /// Where its horizontal angle 0 points: a unit vector at right angles to `direction`.
+        c0: DVec3,
+        /// Radiant intensity in the direction that the file says is brightest, W·sr⁻¹.
+        intensity: Vec<f64>,
+        /// Intensity by direction.
+        table: Arc<IntensityTable>,
+    },
     /// Comes from a disc infinitely far away, such as the sun.
     Sun {
         /// Which way its light travels, a unit vector.
@@ -42,16 +59,41 @@ impl Light {
     /// Intensity or irradiance, per channel.
     pub fn power(&self) -> &[f64] {
         match self {
-            Light::Point { intensity, .. } | Light::Spot { intensity, .. } => intensity,
+            Light::Point { intensity, .. } | Light::Spot { intensity, .. } | Light::Ies { intensity, .. } => {
+                intensity
+            }
             Light::Sun { irradiance, .. } => irradiance,
         }
     }
 
     pub(super) fn power_mut(&mut self) -> &mut Vec<f64> {
         match self {
-            Light::Point { intensity, .. } | Light::Spot { intensity, .. } => intensity,
+            Light::Point { intensity, .. } | Light::Spot { intensity, .. } | Light::Ies { intensity, .. } => {
+                intensity
+            }
             Light::Sun { irradiance, .. } => irradiance,
         }
+    }
+
+    /// `point`, `spot`, `ies` or `sun`.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Light::Point { .. } => "point",
+            Light::Spot { .. } => "spot",
+            Light::Ies { .. } => "ies",
+            Light::Sun { .. } => "sun",
+        }
+    }
+
+    /// Radiant flux that it sends in all directions, per channel, W; none of a sun, which has no end.
+    pub fn flux(&self) -> Option<Vec<f64>> {
+        let directions = match self {
+            Light::Point { .. } => SPHERE,
+            Light::Spot { cone, penumbra, .. } => spot_solid_angle(*cone, *penumbra),
+            Light::Ies { table, .. } => table.flux() / table.highest(),
+            Light::Sun { .. } => return None,
+        };
+        Some(self.power().iter().map(|intensity| intensity * directions).collect())
     }
 
     /// Whether any light comes from it.
@@ -59,12 +101,19 @@ impl Light {
         self.power().iter().any(|&x| x > 0.0)
     }
 
-    /// The share of [`Light::power`] that is sent in a direction, a unit vector; 1 for all but spots.
+    /// The share of [`Light::power`] that is sent in a direction, a unit vector; 1 for points and suns.
     #[inline]
     pub fn share_towards(&self, towards: DVec3) -> f64 {
         match *self {
             Light::Spot { direction, cone, penumbra, .. } => {
                 edge(direction.angle_between(towards).to_degrees(), cone, penumbra)
+            }
+            Light::Ies { direction, c0, ref table, .. } => {
+                // φ grows from C0 to its left as seen from behind, where the axis points away.
+                let (along, ahead, left) =
+                    (towards.dot(direction), towards.dot(c0), towards.dot(c0.cross(direction)));
+                let vertical = along.clamp(-1.0, 1.0).acos().to_degrees();
+                table.at(vertical, left.atan2(ahead).to_degrees()) / table.highest()
             }
             Light::Point { .. } | Light::Sun { .. } => 1.0,
         }
@@ -77,7 +126,9 @@ impl Light {
             false => Err(format!("{what} {v} is no direction; give three finite numbers that are not all 0")),
         };
         match *self {
-            Light::Point { position, .. } | Light::Spot { position, .. } if !position.is_finite() => {
+            Light::Point { position, .. } | Light::Spot { position, .. } | Light::Ies { position, .. }
+                if !position.is_finite() =>
+            {
                 return Err(format!("position {position} must be finite"));
             }
             Light::Spot { direction, cone, penumbra, .. } => {
@@ -92,6 +143,13 @@ impl Light {
                 unit(direction, "direction")?;
                 if !(0.0..180.0).contains(&diameter) {
                     return Err(format!("diameter {diameter} must lie between 0 and 180 degrees"));
+                }
+            }
+            Light::Ies { direction, c0, .. } => {
+                unit(direction, "direction")?;
+                unit(c0, "up")?;
+                if c0.dot(direction).abs() > 1e-9 {
+                    return Err(format!("up {c0} must stand at right angles to direction {direction}"));
                 }
             }
             Light::Point { .. } => {}

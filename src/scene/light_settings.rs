@@ -2,15 +2,20 @@
 //!
 //! A power is given in watts or in lumens, and the name of its key tells which: `intensity` (W/sr) or `luminous_intensity` (cd), `flux`
 //! (W) or `luminous_flux` (lm), `irradiance` (W/m²) or `illuminance` (lx), `radiance` (W/sr/m²) or `luminance` (cd/m²). Those in watts are
-//! one number or three; those in lumens are one number, whose colour is that of `colour`.
+//! one number or three; those in lumens are one number, whose colour is that of `colour`. Luminaires and environments bring their light in a
+//! file, which `scale` and the like multiply.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::DVec3;
 use serde::Deserialize;
 
 use super::light::{SPHERE, spot_solid_angle};
 use super::photometry::luminance;
+use super::picture_file;
 use super::settings::Colour;
-use super::{Light, Sky, SkyKind};
+use super::{Environment, IntensityTable, Light, Sky, SkyKind};
 
 #[derive(Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
@@ -33,6 +38,16 @@ pub(super) enum LightSettings {
         intensity: Option<Colour>,
         luminous_intensity: Option<f64>,
         flux: Option<Colour>,
+        luminous_flux: Option<f64>,
+        colour: Option<Colour>,
+    },
+    Ies {
+        file: PathBuf,
+        position: [f64; 3],
+        target: Option<[f64; 3]>,
+        direction: Option<[f64; 3]>,
+        up: Option<[f64; 3]>,
+        scale: Option<f64>,
         luminous_flux: Option<f64>,
         colour: Option<Colour>,
     },
@@ -66,6 +81,18 @@ pub(super) enum SkySettings {
         illuminance: Option<f64>,
         colour: Option<Colour>,
     },
+    Environment {
+        file: PathBuf,
+        #[serde(default = "super::settings::y_up")]
+        up: [f64; 3],
+        /// Degrees.
+        #[serde(default)]
+        turn: f64,
+        scale: Option<f64>,
+        luminance: Option<f64>,
+        irradiance: Option<f64>,
+        illuminance: Option<f64>,
+    },
     Clear {
         #[serde(default = "super::settings::y_up")]
         up: [f64; 3],
@@ -81,8 +108,13 @@ pub(super) enum SkySettings {
 }
 
 impl LightSettings {
-    /// The light in metres and watts; `unit` in metres, `efficacy` in lm/W.
-    pub fn light(&self, unit: f64, efficacy: f64) -> Result<Light, String> {
+    /// The light in metres and watts; `unit` in metres, `efficacy` in lm/W. Photometric files are looked for in `folder`.
+    pub fn light(
+        &self,
+        (unit, efficacy): (f64, f64),
+        folder: &Path,
+        warnings: &mut Vec<String>,
+    ) -> Result<Light, String> {
         let light = match self {
             Self::Point { position, intensity, luminous_intensity, flux, luminous_flux, colour } => {
                 Light::Point {
@@ -111,11 +143,7 @@ impl LightSettings {
                 luminous_flux,
                 colour,
             } => {
-                let aim = match (target, direction) {
-                    (Some(target), None) => DVec3::from(*target) - DVec3::from(*position),
-                    (None, Some(direction)) => DVec3::from(*direction),
-                    _ => return Err("aim it by target or by direction, one of the two".into()),
-                };
+                let direction = aim(position, target, direction)?;
                 let sent = spot_solid_angle(*cone, *penumbra);
                 let intensity = one_of(
                     &[
@@ -129,10 +157,29 @@ impl LightSettings {
                 )?;
                 Light::Spot {
                     position: DVec3::from(*position) * unit,
-                    direction: aim.normalize_or_zero(),
+                    direction,
                     intensity,
                     cone: *cone,
                     penumbra: *penumbra,
+                }
+            }
+            Self::Ies { file, position, target, direction, up, scale, luminous_flux, colour } => {
+                let direction = aim(position, target, direction)?;
+                let table = intensity_table(&folder.join(file), warnings)?;
+                let factor = match (scale, luminous_flux) {
+                    (Some(_), Some(_)) => return Err("give scale or luminous_flux, one of the two".into()),
+                    (Some(scale), None) => *scale,
+                    (None, Some(lumens)) => lumens / table.flux(),
+                    (None, None) => 1.0,
+                };
+                let colour = of_luminance_one(colour.as_ref())?;
+                let up = up.map_or_else(|| default_c0(direction), DVec3::from);
+                Light::Ies {
+                    position: DVec3::from(*position) * unit,
+                    direction,
+                    c0: (up - direction * up.dot(direction)).normalize_or_zero(),
+                    intensity: colour.iter().map(|x| x * factor * table.highest() / efficacy).collect(),
+                    table: Arc::new(table),
                 }
             }
             Self::Sun { direction, diameter, irradiance, illuminance, colour } => Light::Sun {
@@ -153,9 +200,41 @@ impl LightSettings {
     }
 }
 
+/// A unit vector, or zero, from a target or a direction.
+fn aim(
+    position: &[f64; 3],
+    target: &Option<[f64; 3]>,
+    direction: &Option<[f64; 3]>,
+) -> Result<DVec3, String> {
+    match (target, direction) {
+        (Some(target), None) => Ok((DVec3::from(*target) - DVec3::from(*position)).normalize_or_zero()),
+        (None, Some(direction)) => Ok(DVec3::from(*direction).normalize_or_zero()),
+        _ => Err("aim it by target or by direction, one of the two".into()),
+    }
+}
+
+/// Where horizontal angle 0 points if nothing is said: along x, or along z if the luminaire's axis nearly does.
+fn default_c0(direction: DVec3) -> DVec3 {
+    if direction.x.abs() < 0.9 { DVec3::X } else { DVec3::Z }
+}
+
+fn intensity_table(path: &Path, warnings: &mut Vec<String>) -> Result<IntensityTable, String> {
+    let bytes = std::fs::read(path).map_err(|e| {
+        format!("cannot read {}: {e}; put the photometric file there or correct its name", path.display())
+    })?;
+    let mut said = Vec::new();
+    let table = IntensityTable::parse(&String::from_utf8_lossy(&bytes), &mut said)
+        .map_err(|(line, message)| format!("{}:{line}: {message}", path.display()))?;
+    if table.highest() == 0.0 {
+        said.push("every intensity is 0: no light comes from it".into());
+    }
+    warnings.extend(said.into_iter().map(|message| format!("light: {}: {message}", path.display())));
+    Ok(table)
+}
+
 impl SkySettings {
-    /// The sky in watts; `efficacy` in lm/W.
-    pub fn sky(&self, efficacy: f64) -> Result<Sky, String> {
+    /// The sky in watts; `efficacy` in lm/W. Pictures are looked for in `folder`.
+    pub fn sky(&self, efficacy: f64, folder: &Path, warnings: &mut Vec<String>) -> Result<Sky, String> {
         let (mut sky, [radiance, irradiance], [luminance, illuminance], colour) = match self {
             Self::Constant { radiance, luminance, colour } => {
                 let sky = Sky { kind: SkyKind::Constant, up: DVec3::Y, zenith: vec![0.0; 3], ground: 0.0 };
@@ -165,6 +244,16 @@ impl SkySettings {
                 let up = DVec3::from(*up).normalize_or_zero();
                 let sky = Sky { kind: SkyKind::Overcast, up, zenith: vec![0.0; 3], ground: *ground };
                 (sky, [radiance, irradiance], [luminance, illuminance], colour)
+            }
+            Self::Environment { file, up, turn, scale, luminance, irradiance, illuminance } => {
+                let amounts = [
+                    ("scale", *scale, Value::Factor(1.0)),
+                    ("luminance", *luminance, Value::Factor(efficacy)),
+                    ("irradiance", *irradiance, Value::OfGround(1.0)),
+                    ("illuminance", *illuminance, Value::OfGround(efficacy)),
+                ];
+                let up = DVec3::from(*up).normalize_or_zero();
+                return environment((file, folder), (up, *turn), &amounts, warnings);
             }
             Self::Clear { up, sun, ground, radiance, luminance, irradiance, illuminance, colour } => {
                 let up = DVec3::from(*up).normalize_or_zero();
@@ -187,25 +276,78 @@ impl SkySettings {
     }
 }
 
+/// What the number behind a key of an environment is divided by to get what a value of 1 in the picture means.
+enum Value {
+    /// This.
+    Factor(f64),
+    /// This, times what open level ground gets under the picture as it is.
+    OfGround(f64),
+}
+
+/// A sky from a picture.
+fn environment(
+    (file, folder): (&Path, &Path),
+    (up, turn): (DVec3, f64),
+    amounts: &[(&str, Option<f64>, Value)],
+    warnings: &mut Vec<String>,
+) -> Result<Sky, String> {
+    let path = folder.join(file);
+    let about = |message: String| format!("{}: {message}", path.display());
+    let pixels = picture_file::read(&path).map_err(about)?;
+    let [width, height] = pixels.size();
+    if width != 2 * height {
+        warnings.push(format!(
+            "sky: {}: {width} x {height} pixels are stretched around the scene; a picture by longitude and latitude is twice as wide as high",
+            path.display()
+        ));
+    }
+    if pixels.highest() == [0.0; 3] {
+        warnings.push(format!("sky: {}: the picture is black: no light comes from it", path.display()));
+    }
+    if !turn.is_finite() {
+        return Err(format!("turn {turn} must be a number of degrees"));
+    }
+    let kind = SkyKind::Environment(Arc::new(Environment::new(pixels, up, turn)));
+    let mut sky = Sky { kind, up, zenith: vec![1.0; 3], ground: 0.0 };
+    sky.check(3)?;
+    let mut given = amounts.iter().filter_map(|(key, number, value)| Some((key, (*number)?, value)));
+    let (first, None) = (given.next(), given.next()) else {
+        let keys: Vec<&str> = amounts.iter().map(|amount| amount.0).collect();
+        return Err(format!("say how bright it is by no more than one of {}", keys.join(", ")));
+    };
+    if let Some((key, number, value)) = first {
+        let unit = match value {
+            Value::Factor(unit) => *unit,
+            Value::OfGround(unit) => unit * sky.horizontal(),
+        };
+        if unit == 0.0 {
+            return Err(format!("{key}: nothing above the horizon is bright; give scale instead"));
+        }
+        sky.zenith = vec![number / unit; 3];
+    }
+    sky.check(3)?;
+    Ok(sky)
+}
+
 /// A power as it may be given: its key, its value, and how much of it goes with one unit of what is wanted.
 struct Amount<'a> {
     key: &'static str,
-    value: Option<Value<'a>>,
+    value: Option<Power<'a>>,
     per_unit: f64,
 }
 
-enum Value<'a> {
+enum Power<'a> {
     Watts(&'a Colour),
     Lumens(f64),
 }
 
 impl<'a> Amount<'a> {
     fn watts(key: &'static str, value: &'a Option<Colour>, per_unit: f64) -> Self {
-        Self { key, value: value.as_ref().map(Value::Watts), per_unit }
+        Self { key, value: value.as_ref().map(Power::Watts), per_unit }
     }
 
     fn lumens(key: &'static str, value: Option<f64>, per_unit: f64) -> Self {
-        Self { key, value: value.map(Value::Lumens), per_unit }
+        Self { key, value: value.map(Power::Lumens), per_unit }
     }
 }
 
@@ -217,17 +359,22 @@ fn one_of(amounts: &[Amount], colour: Option<&Colour>, efficacy: f64) -> Result<
         return Err(format!("say how much light it sends by one of {}", keys.join(", ")));
     };
     match value {
-        Value::Watts(_) if colour.is_some() => {
+        Power::Watts(_) if colour.is_some() => {
             Err(format!("{} has a colour of its own: give it as [r, g, b] and leave out colour", amount.key))
         }
-        Value::Watts(watts) => Ok(watts.channels().iter().map(|x| x / amount.per_unit).collect()),
-        Value::Lumens(lumens) => {
-            let colour = colour.map_or(vec![1.0; 3], Colour::channels);
-            let whole = luminance(&colour);
-            if !(whole > 0.0 && whole.is_finite() && colour.iter().all(|&x| x >= 0.0)) {
-                return Err("colour must not be negative or black".into());
-            }
-            Ok(colour.iter().map(|x| x / whole * lumens / efficacy / amount.per_unit).collect())
+        Power::Watts(watts) => Ok(watts.channels().iter().map(|x| x / amount.per_unit).collect()),
+        Power::Lumens(lumens) => {
+            Ok(of_luminance_one(colour)?.iter().map(|x| x * lumens / efficacy / amount.per_unit).collect())
         }
     }
+}
+
+/// A colour, white if none is given, of which eyes make 1.
+fn of_luminance_one(colour: Option<&Colour>) -> Result<Vec<f64>, String> {
+    let colour = colour.map_or(vec![1.0; 3], Colour::channels);
+    let whole = luminance(&colour);
+    if !(whole > 0.0 && whole.is_finite() && colour.iter().all(|&x| x >= 0.0)) {
+        return Err("colour must not be negative or black".into());
+    }
+    Ok(colour.iter().map(|x| x / whole).collect())
 }

@@ -1,7 +1,8 @@
 //! Lines: an OBJ text, every line checked once and put in the plain form that `tobj` reads without surprises.
 //!
 //! Points come before faces, corners count from the start, colours of vertices and all that is no surface are gone, and
-//! every face has a material and normals: where the file gives none, those of [`NONE`] and a zero vector.
+//! every face has a material, texture coordinates and normals: where the file gives none, those of [`NONE`], no numbers and a zero vector. Where no
+//! face has texture coordinates there are none at all.
 
 use std::fmt::Write;
 use std::io::{BufRead, Read};
@@ -48,7 +49,7 @@ impl<'a> Lines<'a> {
     /// The text for `tobj`.
     pub fn reader(&self) -> impl BufRead {
         // It asks for a library once, and takes a zero vector for the first normal.
-        const HEAD: &str = "mtllib\nvn 0 0 0\n";
+        const HEAD: &str = "mtllib\nvn 0 0 0\nvt nan nan\n";
         HEAD.as_bytes().chain(self.points.as_bytes()).chain(self.faces.as_bytes())
     }
 
@@ -57,6 +58,7 @@ impl<'a> Lines<'a> {
         match key {
             "v" => push(&mut self.points, "v", vertex(rest)?),
             "vn" => push(&mut self.points, "vn", normal(rest)?),
+            "vt" => push_texture(&mut self.points, rest)?,
             "f" => self.take_face(rest)?,
             "o" | "g" => self.faces.extend([key, " ", rest, "\n"]),
             "mtllib" => self.libraries.push((number, rest)),
@@ -86,11 +88,16 @@ impl<'a> Lines<'a> {
         if self.materials.is_empty() {
             self.take_material(NONE);
         }
+        let has_texture = self.totals[1] > 0;
         let has_normals = corners.iter().all(|corner| corner[2].is_some());
         self.faces.push('f');
-        for [vertex, _, normal] in corners {
+        for [vertex, texture, normal] in corners {
             let normal = normal.filter(|_| has_normals).map_or(1, |normal| normal + 1);
-            let _ = write!(self.faces, " {}//{normal}", vertex.unwrap_or_default());
+            let vertex = vertex.unwrap_or_default();
+            let _ = match has_texture {
+                true => write!(self.faces, " {vertex}/{}/{normal}", texture.map_or(1, |texture| texture + 1)),
+                false => write!(self.faces, " {vertex}//{normal}"),
+            };
         }
         self.faces.push('\n');
         Ok(())
@@ -143,6 +150,14 @@ fn slot(key: &str) -> Option<usize> {
 
 fn push(text: &mut String, key: &str, DVec3 { x, y, z }: DVec3) {
     let _ = writeln!(text, "{key} {x:e} {y:e} {z:e}");
+}
+
+/// Texture coordinates: one number to three, of which the third has no meaning here; a missing second is 0.
+fn push_texture(text: &mut String, words: &str) -> Result<(), String> {
+    let wrong = || "`vt` must be followed by 1 to 3 numbers".to_owned();
+    let numbers = numbers(words).filter(|all| (1..=3).contains(&all.len())).ok_or_else(wrong)?;
+    let _ = writeln!(text, "vt {:e} {:e}", numbers[0], numbers.get(1).unwrap_or(&0.0));
+    Ok(())
 }
 
 /// A vertex: three numbers, perhaps a weight that divides them or a colour.

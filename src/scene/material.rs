@@ -1,5 +1,7 @@
 //! Material: how a surface reflects and emits.
 
+use super::{Texture, Textures};
+
 /// How a surface passes light on.
 ///
 /// Mirrors and dielectrics are *carriers*: light goes on from them in one direction or two, so that they are no patches but part of
@@ -77,8 +79,8 @@ pub struct Material {
     pub emission: Vec<f64>,
     /// How the surface passes light on. Carriers neither reflect diffusely nor emit.
     pub surface: Surface,
-    /// Whether the file gives the reflectance or emission as a picture.
-    pub textured: bool,
+    /// Pictures by which reflectance and emission vary over faces; what they say is multiplied by these. Carriers have none.
+    pub textures: Textures,
 }
 
 impl Material {
@@ -89,7 +91,7 @@ impl Material {
             reflectance: reflectance.to_vec(),
             emission: vec![0.0; reflectance.len()],
             surface: Surface::Diffuse,
-            textured: false,
+            textures: Textures::default(),
         }
     }
 
@@ -110,14 +112,19 @@ impl Material {
         Self { surface, ..Self::diffuse(name, &vec![0.0; filter.len()]) }
     }
 
-    /// Whether the front side emits in any channel.
-    pub fn emits(&self) -> bool {
-        self.emission.iter().any(|&e| e > 0.0)
+    /// Whether a picture varies its reflectance or emission.
+    pub fn is_textured(&self) -> bool {
+        self.textures.all().next().is_some()
     }
 
-    /// Whether some light is reflected in some channel.
+    /// Whether the front side emits in any channel, somewhere at least.
+    pub fn emits(&self) -> bool {
+        brightest(&self.emission, self.textures.emission.as_ref()).any(|e| e > 0.0)
+    }
+
+    /// Whether some light is reflected in some channel, somewhere at least.
     pub fn reflects(&self) -> bool {
-        self.reflectance.iter().any(|&r| r > 0.0)
+        brightest(&self.reflectance, self.textures.reflectance.as_ref()).any(|r| r > 0.0)
     }
 
     /// What is not physical about it, if anything.
@@ -127,6 +134,18 @@ impl Material {
         }
         if let Some(e) = self.emission.iter().find(|e| !(e.is_finite() && **e >= 0.0)) {
             return Err(format!("emission {e} (Ke in MTL files) must be finite and not negative"));
+        }
+        if self.is_textured() && !matches!(self.reflectance.len(), 1 | 3) {
+            return Err(
+                "pictures have red, green and blue: a material with textures has 1 channel or 3".into()
+            );
+        }
+        let highest = brightest(&self.reflectance, self.textures.reflectance.as_ref()).fold(0.0, f64::max);
+        if highest > 1.0 {
+            return Err(format!(
+                "its picture makes reflectance as high as {highest} (Kd times map_Kd in MTL files), and it must lie between 0 and 1; \
+                 lower Kd or the picture"
+            ));
         }
         if self.surface.is_carrier() && (self.emits() || self.reflects()) {
             return Err(
@@ -153,6 +172,13 @@ impl Material {
     /// Whether all channels agree.
     pub(super) fn is_grey(&self) -> bool {
         let flat = |v: &[f64]| v.iter().all(|&x| x == v[0]);
-        flat(&self.reflectance) && flat(&self.emission) && self.surface.colour().is_none_or(flat)
+        let textures = self.textures.all().all(|texture| texture.pixels.is_grey());
+        textures && flat(&self.reflectance) && flat(&self.emission) && self.surface.colour().is_none_or(flat)
     }
+}
+
+/// The highest that a colour gets under a texture, per channel.
+fn brightest(colour: &[f64], texture: Option<&Texture>) -> impl Iterator<Item = f64> {
+    let highest = texture.map(|texture| texture.pixels.highest());
+    colour.iter().enumerate().map(move |(c, x)| highest.map_or(*x, |highest| x * highest[c]))
 }

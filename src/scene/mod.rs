@@ -6,8 +6,11 @@
 
 mod builtin;
 mod camera;
+mod degenerate;
+mod environment;
 mod feature;
 mod glass;
+mod ies;
 mod light;
 mod light_settings;
 mod lines;
@@ -15,23 +18,30 @@ mod material;
 mod mtl;
 mod obj;
 mod photometry;
+mod picture_file;
+mod pixels;
 mod receiver;
 mod settings;
 mod sky;
+mod texture;
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 pub use camera::Camera;
+pub use environment::Environment;
 pub use feature::Feature;
+pub use ies::IntensityTable;
 pub use light::Light;
 pub use material::{Material, Surface};
 pub use photometry::{EFFICACY, luminance};
+pub use pixels::{Beyond, Pixels};
 pub use receiver::Receiver;
 pub use sky::{Sky, SkyKind, SkyShares};
+pub use texture::{FaceTexture, Texture, Textures};
+
+use degenerate::drop_degenerate;
 
 /// One of the two sides of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -89,6 +99,8 @@ pub struct Scene {
     name: String,
     vertices: Vec<DVec3>,
     normals: Vec<DVec3>,
+    /// Per face, or none at all.
+    texture_coordinates: Vec<Option<[DVec2; 3]>>,
     faces: Vec<Face>,
     materials: Vec<Material>,
     objects: Vec<String>,
@@ -111,6 +123,8 @@ pub struct SceneParts {
     pub vertices: Vec<DVec3>,
     /// Shading normals; may be empty.
     pub normals: Vec<DVec3>,
+    /// Per face, texture coordinates of its corners where it has some; may be empty.
+    pub texture_coordinates: Vec<Option<[DVec2; 3]>>,
     /// Triangles.
     pub faces: Vec<Face>,
     /// Materials, all with the same number of channels.
@@ -198,6 +212,18 @@ pub enum SceneError {
         /// What is wrong and what to do.
         message: String,
     },
+    /// A picture on a material can't be had.
+    #[error("material {material}: {key} {}: {message}", path.display())]
+    Texture {
+        /// Its name.
+        material: String,
+        /// The entry that names the picture.
+        key: String,
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        message: String,
+    },
     /// A light or the sky makes no sense.
     #[error("{light}: {message}")]
     Light {
@@ -253,6 +279,7 @@ impl Scene {
     pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
         let SceneParts { name, vertices, normals, mut faces, mut materials, objects, .. } = parts;
         let SceneParts { camera, mut lights, mut sky, receivers, efficacy, mut warnings, .. } = parts;
+        let SceneParts { mut texture_coordinates, .. } = parts;
         let efficacy = efficacy.unwrap_or(EFFICACY);
         if faces.is_empty() {
             return Err(SceneError::NoFaces { name });
@@ -266,6 +293,7 @@ impl Scene {
         }
         let powers = || lights.iter().map(Light::power).chain(sky.as_ref().map(|sky| sky.zenith.as_slice()));
         if materials.iter().all(Material::is_grey)
+            && sky.as_ref().is_none_or(Sky::is_colourless)
             && powers().all(|power| power.iter().all(|x| *x == power[0]))
         {
             channels = 1;
@@ -280,12 +308,19 @@ impl Scene {
         if faces.iter().all(|face| face.state != FaceState::Kept) {
             return Err(SceneError::NoArea { name });
         }
+        if materials.iter().any(Material::is_textured) {
+            texture_coordinates.resize(faces.len(), None);
+            texture::warn_of_missing_coordinates(&faces, &texture_coordinates, &materials, &mut warnings);
+        } else {
+            texture_coordinates = Vec::new();
+        }
         glass::warn_of_missing_insides(&faces, &vertices, &materials, &mut warnings);
         warn_of_shadows(&lights, sky.as_ref(), &materials, &mut warnings);
         Ok(Self {
             name,
             vertices,
             normals,
+            texture_coordinates,
             faces,
             materials,
             objects,
@@ -455,52 +490,4 @@ fn warn_of_shadows(lights: &[Light], sky: Option<&Sky>, materials: &[Material], 
             names.join(", ")
         ));
     }
-}
-
-/// Marks zero-area faces and exact duplicates, and says how many there were.
-fn drop_degenerate(
-    faces: &mut [Face],
-    vertices: &[DVec3],
-    materials: &[Material],
-    warnings: &mut Vec<String>,
-) {
-    let (mut flat, mut twice, mut lamps_lost) = (0, 0, 0);
-    let mut emits_at: HashMap<[[u64; 3]; 3], bool> = HashMap::new();
-    for face in faces.iter_mut() {
-        let [a, b, c] = face.vertices.map(|v| vertices[v as usize]);
-        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-        if (b - a).cross(c - a).length() <= 1e-12 * longest {
-            face.state = FaceState::ZeroArea;
-            flat += 1;
-            continue;
-        }
-        // Adding zero makes -0.0 and 0.0 the same corner.
-        let mut corners = [a, b, c].map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));
-        corners.sort_unstable();
-        let emits = materials[face.material as usize].emits();
-        match emits_at.entry(corners) {
-            Entry::Vacant(first) => {
-                first.insert(emits);
-            }
-            Entry::Occupied(first) => {
-                face.state = FaceState::Duplicate;
-                twice += 1;
-                lamps_lost += usize::from(emits && !first.get());
-            }
-        }
-    }
-    if flat > 0 {
-        warnings.push(format!("dropped {}: no area", count(flat, "face")));
-    }
-    if twice > 0 {
-        warnings.push(format!("dropped {}: duplicates of earlier faces", count(twice, "face")));
-    }
-    if lamps_lost > 0 {
-        warnings.push(format!("{} of those emit, the earlier ones do not", count(lamps_lost, "duplicate")));
-    }
-}
-
-/// `1 face`, `2 faces`.
-fn count(n: usize, noun: &str) -> String {
-    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }

@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::lines::{numbers, split};
-use super::{Material, SceneError, Surface};
+use super::picture_file::PictureFiles;
+use super::{Material, SceneError, Surface, Textures};
 
 /// Reflectance of a material that is not defined, or without Kd.
 const GREY: [f64; 3] = [0.5; 3];
@@ -14,11 +15,13 @@ const GREY: [f64; 3] = [0.5; 3];
 #[derive(Default)]
 pub(super) struct Library {
     materials: Vec<tobj::Material>,
+    /// Per material: where its library lies.
+    folders: Vec<PathBuf>,
     places: HashMap<String, usize>,
 }
 
 impl Library {
-    /// All materials.
+    /// All entries.
     pub fn materials(&self) -> &[tobj::Material] {
         &self.materials
     }
@@ -52,23 +55,32 @@ impl Library {
                 source,
             })?;
             let path = path.with_file_name(name);
+            let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
             let plain = plain(&path, &text)?;
             let loaded = tobj::load_mtl_buf(&mut plain.as_bytes());
             let loaded = loaded.map_err(|e| SceneError::Read { path, source: io::Error::other(e) })?;
-            loaded.0.into_iter().for_each(|material| self.add(material));
+            loaded.0.into_iter().for_each(|material| self.add(material, &folder));
         }
         Ok(())
     }
 
     /// Adds a material; it replaces an earlier one of the same name.
-    fn add(&mut self, material: tobj::Material) {
+    fn add(&mut self, material: tobj::Material, folder: &Path) {
         match self.places.get(&material.name) {
-            Some(&place) => self.materials[place] = material,
+            Some(&place) => (self.materials[place], self.folders[place]) = (material, folder.to_path_buf()),
             None => {
                 self.places.insert(material.name.clone(), self.materials.len());
                 self.materials.push(material);
+                self.folders.push(folder.to_path_buf());
             }
         }
+    }
+
+    /// What all entries mean, their pictures read.
+    pub fn read_materials(&self, warnings: &mut Vec<String>) -> Result<Vec<Material>, SceneError> {
+        let mut pictures = PictureFiles::default();
+        let entries = self.materials.iter().zip(&self.folders);
+        entries.map(|(entry, folder)| material(entry, folder, &mut pictures, warnings)).collect()
     }
 
     /// Adds a grey material for every name that is not defined; answers those names.
@@ -76,7 +88,8 @@ impl Library {
         let unknown: Vec<&str> =
             names.iter().copied().filter(|name| !self.places.contains_key(*name)).collect();
         for name in &unknown {
-            self.add(tobj::Material { name: (*name).to_owned(), diffuse: Some(GREY), ..Default::default() });
+            let grey = tobj::Material { name: (*name).to_owned(), diffuse: Some(GREY), ..Default::default() };
+            self.add(grey, Path::new(""));
         }
         unknown
     }
@@ -126,9 +139,16 @@ fn value(key: &str, rest: &str) -> Result<String, String> {
 }
 
 /// What an entry means.
-pub(super) fn material(m: &tobj::Material, warnings: &mut Vec<String>) -> Material {
+fn material(
+    m: &tobj::Material,
+    folder: &Path,
+    pictures: &mut PictureFiles,
+    warnings: &mut Vec<String>,
+) -> Result<Material, SceneError> {
     let has = |key: &str| m.unknown_param.contains_key(key);
-    let emission = m.emissive.unwrap_or([0.0; 3]);
+    // A picture alone is taken as it is.
+    let unsaid = |key: &str| if has(key) { [1.0; 3] } else { [0.0; 3] };
+    let emission = m.emissive.unwrap_or(unsaid("map_Ke"));
     let surface = match m.illumination_model {
         Some(3 | 4 | 6 | 7 | 9) if emission.iter().any(|&e| e > 0.0) => {
             warnings.push(format!(
@@ -144,21 +164,43 @@ pub(super) fn material(m: &tobj::Material, warnings: &mut Vec<String>) -> Materi
         _ if has("Pr") || has("Pm") => Surface::Glossy,
         _ => Surface::Diffuse,
     };
-    if m.diffuse.is_none() && surface == Surface::Diffuse {
+    let has_picture = m.diffuse_texture.is_some();
+    if m.diffuse.is_none() && surface == Surface::Diffuse && !has_picture {
         warnings.push(format!("material {} has no Kd: taken as grey 0.5", m.name));
     }
-    let mut kd = m.diffuse.unwrap_or(if surface == Surface::Diffuse { GREY } else { [0.0; 3] });
+    let unsaid = match surface {
+        _ if has_picture => [1.0; 3],
+        Surface::Diffuse => GREY,
+        _ => [0.0; 3],
+    };
+    let mut kd = m.diffuse.unwrap_or(unsaid);
+    let mut textures = Textures::default();
+    if !surface.is_carrier() {
+        let mut picture = |key: &str, statement: Option<&String>, factor: [f64; 3]| {
+            let Some(statement) = statement else { return Ok(None) };
+            if factor == [0.0; 3] {
+                warnings.push(format!(
+                    "material {}: {key} is multiplied by {}, which is 0: raise it, or remove it to take the picture as it is",
+                    m.name,
+                    &key[4..]
+                ));
+            }
+            pictures.texture((&m.name, key), statement, folder, warnings).map(Some)
+        };
+        textures.reflectance = picture("map_Kd", m.diffuse_texture.as_ref(), kd)?;
+        textures.emission = picture("map_Ke", m.unknown_param.get("map_Ke"), emission)?;
+    }
     if surface.is_carrier() && kd != [0.0; 3] {
         warnings.push(format!("material {} is a mirror or glass (illum): its Kd is ignored", m.name));
         kd = [0.0; 3];
     }
-    Material {
+    Ok(Material {
         name: m.name.clone(),
         reflectance: kd.to_vec(),
         emission: emission.to_vec(),
         surface,
-        textured: m.diffuse_texture.is_some() || has("map_Ke"),
-    }
+        textures,
+    })
 }
 
 fn mirror(m: &tobj::Material, warnings: &mut Vec<String>) -> Surface {

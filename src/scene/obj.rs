@@ -3,10 +3,10 @@
 use std::io;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::lines::Lines;
-use super::mtl::{self, Library};
+use super::mtl::Library;
 use super::{Face, FaceState, Scene, SceneError, SceneParts, settings};
 
 /// Reads `path`, the libraries it names and the `.toml` beside it.
@@ -54,7 +54,7 @@ pub(super) fn parse(
         name: path.file_stem().map_or("scene".into(), |s| s.to_string_lossy().into_owned()),
         ..Default::default()
     };
-    parts.materials = library.materials().iter().map(|m| mtl::material(m, &mut parts.warnings)).collect();
+    parts.materials = library.read_materials(&mut parts.warnings)?;
     if !unknown.is_empty() {
         parts.warnings.push(format!("taken as grey 0.5, for no library defines it: {}", unknown.join(", ")));
     }
@@ -67,7 +67,7 @@ pub(super) fn parse(
     Scene::new(parts)
 }
 
-/// Adds a model's vertices, normals and triangles.
+/// Adds a model's vertices, normals, texture coordinates and triangles.
 fn append(model: &tobj::Model, parts: &mut SceneParts) {
     let mesh = &model.mesh;
     let Some(material) = mesh.material_id.filter(|_| !mesh.indices.is_empty()) else { return };
@@ -92,6 +92,12 @@ fn append(model: &tobj::Model, parts: &mut SceneParts) {
             state: FaceState::Kept,
         });
     }
+    let coordinates: Vec<DVec2> = mesh.texcoords.chunks_exact(2).map(DVec2::from_slice).collect();
+    let of_corners = mesh.texcoord_indices.chunks_exact(3).map(|corners| {
+        let corners = [0, 1, 2].map(|k| coordinates[corners[k] as usize]);
+        corners.iter().all(|corner| corner.is_finite()).then_some(corners)
+    });
+    parts.texture_coordinates.extend(of_corners);
     parts.vertices.extend(triples(&mesh.positions));
     parts.normals.extend(normals);
 }

@@ -90,6 +90,7 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
         let line = 1 + text.bytes().take(start).filter(|&byte| byte == b'\n').count();
         SceneError::Parse { path: path.to_path_buf(), line, message }
     };
+    let folder = path.parent().unwrap_or(Path::new(""));
     let settings: Settings = toml::from_str(text)
         .map_err(|e| error(e.span().map_or(0, |span| span.start), e.message().to_owned()))?;
     let unit = settings.unit.as_ref().map_or(1.0, |unit| *unit.get_ref());
@@ -133,7 +134,7 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
     }
     parts.efficacy = Some(efficacy);
     for given in &settings.light {
-        let light = given.get_ref().light(unit, efficacy);
+        let light = given.get_ref().light((unit, efficacy), folder, &mut parts.warnings);
         parts.lights.push(light.map_err(|message| error(given.span().start, format!("light: {message}")))?);
     }
     for given in &settings.receiver {
@@ -145,7 +146,7 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
         parts.receivers.push(receiver);
     }
     if let Some(given) = &settings.sky {
-        let sky = given.get_ref().sky(efficacy);
+        let sky = given.get_ref().sky(efficacy, folder, &mut parts.warnings);
         parts.sky = Some(sky.map_err(|message| error(given.span().start, format!("sky: {message}")))?);
     }
     Ok(())

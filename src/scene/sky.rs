@@ -4,7 +4,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 
+use std::sync::Arc;
+
 use super::light::check_power;
+use super::{Environment, luminance};
 
 /// A sky around the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,14 +16,14 @@ pub struct Sky {
     pub kind: SkyKind,
     /// Which way is up, a unit vector.
     pub up: DVec3,
-    /// Radiance at the zenith, per channel, W·sr⁻¹·m⁻².
+    /// Radiance at the zenith, per channel, W·sr⁻¹·m⁻²; of an environment what its value of 1 means.
     pub zenith: Vec<f64>,
     /// Reflectance of the ground outside, 0 to 1: below the horizon the sky's own light comes back from it, evenly.
     pub ground: f64,
 }
 
 /// How brightness is spread over a sky.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SkyKind {
     /// The same in all directions, below the horizon too.
     Constant,
@@ -32,10 +35,12 @@ pub enum SkyKind {
         /// Towards the sun, a unit vector above the horizon.
         sun: DVec3,
     },
+    /// As a picture says, below the horizon too.
+    Environment(Arc<Environment>),
 }
 
 /// Radiance of a sky by direction, as a share of the zenith's.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct SkyShares {
     kind: SkyKind,
     up: DVec3,
@@ -46,11 +51,24 @@ pub struct SkyShares {
 }
 
 impl SkyShares {
-    /// The share that comes from a direction, a unit vector that points into the sky.
+    /// The share that comes from a direction, a unit vector that points into the sky; and by what red, green and blue of it are to be multiplied,
+    /// where they differ. A single channel takes the first.
+    #[inline]
+    pub fn tinted(&self, towards: DVec3) -> (f64, Option<[f64; 3]>) {
+        let SkyKind::Environment(environment) = &self.kind else { return (self.from(towards), None) };
+        let colour = environment.from(towards);
+        match luminance(&colour) {
+            share if share > 0.0 => (share, Some(colour.map(|x| x / share))),
+            _ => (0.0, None),
+        }
+    }
+
+    /// The share that comes from a direction, a unit vector that points into the sky; of an environment its luminance.
     #[inline]
     pub fn from(&self, towards: DVec3) -> f64 {
         let height = towards.dot(self.up);
         match self.kind {
+            SkyKind::Environment(ref environment) => luminance(&environment.from(towards)),
             SkyKind::Constant => 1.0,
             _ if height < 0.0 => self.below,
             SkyKind::Overcast => (1.0 + 2.0 * height) / 3.0,
@@ -72,13 +90,13 @@ fn gradation(height: f64) -> f64 {
 impl Sky {
     /// How its brightness is spread, ready to be asked many times.
     pub fn shares(&self) -> SkyShares {
-        let &Self { kind, up, .. } = self;
+        let Self { kind, up, .. } = self.clone();
         let zenith = match kind {
             SkyKind::Clear { sun } => scattering(sun.dot(up)) * gradation(1.0),
-            SkyKind::Constant | SkyKind::Overcast => 1.0,
+            SkyKind::Constant | SkyKind::Overcast | SkyKind::Environment(_) => 1.0,
         };
         let below = match kind {
-            SkyKind::Constant => 1.0,
+            SkyKind::Constant | SkyKind::Environment(_) => 1.0,
             _ if self.ground == 0.0 => 0.0,
             _ => self.ground * self.horizontal() / PI,
         };
@@ -89,6 +107,7 @@ impl Sky {
     /// ∫ (1 + 2cos θ)/3 cos θ dω = (2π/3)(1/2 + 2/3).
     pub fn horizontal(&self) -> f64 {
         match self.kind {
+            SkyKind::Environment(ref environment) => environment.horizontal(),
             SkyKind::Constant => PI,
             SkyKind::Overcast => 7.0 * PI / 9.0,
             SkyKind::Clear { sun } => clear_horizontal(sun.dot(self.up)),
@@ -97,7 +116,19 @@ impl Sky {
 
     /// Whether any light comes from it.
     pub fn shines(&self) -> bool {
-        self.zenith.iter().any(|&x| x > 0.0)
+        let dark = match &self.kind {
+            SkyKind::Environment(environment) => environment.pixels().highest() == [0.0; 3],
+            _ => false,
+        };
+        !dark && self.zenith.iter().any(|&x| x > 0.0)
+    }
+
+    /// Whether it has no colour of its own but that of the zenith.
+    pub(super) fn is_colourless(&self) -> bool {
+        match &self.kind {
+            SkyKind::Environment(environment) => environment.pixels().is_grey(),
+            _ => true,
+        }
     }
 
     /// What is wrong with it, if anything.
@@ -110,6 +141,9 @@ impl Sky {
             && !(is_unit(sun) && sun.dot(self.up) >= 0.0)
         {
             return Err("sun must point to the sun, and not below the horizon".into());
+        }
+        if matches!(self.kind, SkyKind::Environment(_)) && !matches!(channels, 1 | 3) {
+            return Err("an environment has red, green and blue: materials must have 1 channel or 3".into());
         }
         if !(0.0..=1.0).contains(&self.ground) {
             return Err(format!("ground {} is a reflectance and must lie between 0 and 1", self.ground));
@@ -151,7 +185,7 @@ mod tests {
     fn the_zenith_has_the_radiance_of_the_zenith() {
         let sun = DVec3::new(0.3, 0.5, -0.2).normalize();
         for kind in [SkyKind::Constant, SkyKind::Overcast, SkyKind::Clear { sun }] {
-            assert!((sky(kind).shares().from(DVec3::Y) - 1.0).abs() < 1e-12, "{kind:?}");
+            assert!((sky(kind.clone()).shares().from(DVec3::Y) - 1.0).abs() < 1e-12, "{kind:?}");
         }
         assert!(sky(SkyKind::Clear { sun }).shares().from(sun) > 3.0);
         assert!((sky(SkyKind::Overcast).shares().from(DVec3::X) - 1.0 / 3.0).abs() < 1e-12);

@@ -42,7 +42,7 @@ struct LampFace {
     corners: [DVec3; 3],
     normal: DVec3,
     area: f64,
-    /// Emitted radiance, averaged over channels.
+    /// Emitted radiance, averaged over channels and the face.
     brightness: f64,
 }
 
@@ -208,7 +208,7 @@ fn emitting(tracer: &Tracer) -> Vec<LampFace> {
         scene.faces()[f as usize].state == FaceState::Kept && scene.material_of(f as usize).emits()
     };
     let lamp = |face: u32| {
-        let emission = &scene.material_of(face as usize).emission;
+        let emission = scene.mean_emission(face as usize);
         LampFace {
             face,
             corners: *tracer.corners(face as usize),

@@ -54,7 +54,9 @@ impl Lights {
         let frame = tracer.frame();
         let source = |light: &Light| {
             let (place, unit) = match *light {
-                Light::Point { position, .. } | Light::Spot { position, .. } => {
+                Light::Point { position, .. }
+                | Light::Spot { position, .. }
+                | Light::Ies { position, .. } => {
                     (Place::At(frame.from_world(position)), frame.scale().powi(-2))
                 }
                 Light::Sun { direction, diameter, .. } => {
@@ -160,10 +162,11 @@ impl Lights {
             }
         }
         if let Some(sky) = &self.sky {
-            let (direction, weight) = sky.sample(normal, random());
-            let ray = Ray { origin: point, direction, from: face };
-            if weight > 0.0 && tracer.is_clear(&ray, f64::INFINITY) {
-                irradiance.iter_mut().zip(sky.zenith()).for_each(|(sum, zenith)| *sum += weight * zenith);
+            let beam = sky.sample(normal, random());
+            let ray = Ray { origin: point, direction: beam.direction, from: face };
+            if beam.weight > 0.0 && tracer.is_clear(&ray, f64::INFINITY) {
+                let channels = irradiance.iter_mut().zip(sky.zenith()).enumerate();
+                channels.for_each(|(c, (sum, zenith))| *sum += beam.weight * beam.tint(c) * zenith);
             }
         }
     }

@@ -9,6 +9,7 @@
 
 mod bvh;
 mod convex;
+mod environment;
 mod lamps;
 mod lights;
 pub mod sampling;
@@ -24,7 +25,7 @@ pub use convex::{Enclosure, NotConvex};
 pub use lamps::{LampPoint, LampView, Lamps, form_factor_to_triangle, geometry_term};
 pub use lights::{Beam, Lights, solid_angle};
 pub use scatter::{Destination, Scattered, fresnel};
-pub use sky::SkySampler;
+pub use sky::{SkyBeam, SkySampler};
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.
 ///

@@ -1,11 +1,13 @@
 //! Sky sampler: directions in which a sky is bright and a surface looks, beside their density.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
+use super::environment::EnvironmentSampler;
 use super::sampling::{cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
-use crate::scene::{Sky, SkyKind, SkyShares};
+use crate::scene::{Environment, Sky, SkyKind, SkyShares};
 
 /// Cells of equal solid angle by which brightness is known: rings from zenith to nadir, and parts of each.
 const RINGS: usize = 64;
@@ -20,6 +22,27 @@ pub struct SkySampler {
     frame: DMat3,
     /// Cumulative chances of the cells; empty where all directions are alike.
     chances: Vec<f64>,
+    /// What draws directions of an environment.
+    environment: Option<(Arc<Environment>, EnvironmentSampler)>,
+}
+
+/// A direction into the sky.
+#[derive(Clone, Copy, Debug)]
+pub struct SkyBeam {
+    /// A unit vector.
+    pub direction: DVec3,
+    /// Share of the zenith's radiance · cos θ / density of the direction.
+    pub weight: f64,
+    /// By what the zenith's red, green and blue are to be multiplied too, where they differ; a single channel takes the first.
+    pub tint: Option<[f64; 3]>,
+}
+
+impl SkyBeam {
+    /// By what the zenith's radiance is to be multiplied in a channel.
+    #[inline]
+    pub fn tint(&self, channel: usize) -> f64 {
+        self.tint.map_or(1.0, |tint| tint[channel])
+    }
 }
 
 impl SkySampler {
@@ -29,7 +52,7 @@ impl SkySampler {
         let frame = frame_around(sky.up);
         let mut total = 0.0;
         let mut chances: Vec<f64> = match sky.kind {
-            SkyKind::Constant => Vec::new(),
+            SkyKind::Constant | SkyKind::Environment(_) => Vec::new(),
             _ => (0..RINGS * PARTS)
                 .map(|cell| {
                     total += shares.from(frame * in_cell(cell, [0.5; 2]));
@@ -38,7 +61,13 @@ impl SkySampler {
                 .collect(),
         };
         chances.iter_mut().for_each(|chance| *chance /= total);
-        Self { shares, zenith: sky.zenith.clone(), frame, chances }
+        let environment = match &sky.kind {
+            SkyKind::Environment(environment) => {
+                Some((environment.clone(), EnvironmentSampler::new(environment)))
+            }
+            _ => None,
+        };
+        Self { shares, zenith: sky.zenith.clone(), frame, chances, environment }
     }
 
     /// Radiance of the zenith per channel, by which shares are multiplied.
@@ -51,12 +80,12 @@ impl SkySampler {
         self.shares.from(towards)
     }
 
-    /// A direction above a surface with this normal, and what it brings where nothing hides it: share · cos θ / density of the direction.
+    /// A direction above a surface with this normal, and what it brings where nothing hides it.
     ///
     /// One half of the directions is drawn by the cosine, the other by the sky's brightness; the density is the mean of both.
     #[inline]
-    pub fn sample(&self, normal: DVec3, [u, v]: [f64; 2]) -> (DVec3, f64) {
-        let direction = if self.chances.is_empty() {
+    pub fn sample(&self, normal: DVec3, [u, v]: [f64; 2]) -> SkyBeam {
+        let direction = if self.is_even() {
             frame_around(normal) * cosine_hemisphere([u, v])
         } else if u < 0.5 {
             frame_around(normal) * cosine_hemisphere([2.0 * u, v])
@@ -65,19 +94,33 @@ impl SkySampler {
         };
         let cosine = normal.dot(direction);
         if cosine <= 0.0 {
-            return (direction, 0.0);
+            return SkyBeam { direction, weight: 0.0, tint: None };
         }
-        (direction, self.share_from(direction) * cosine / self.pdf(normal, direction))
+        let (share, tint) = self.shares.tinted(direction);
+        SkyBeam { direction, weight: share * cosine / self.pdf(normal, direction), tint }
+    }
+
+    /// Whether its beams have tints: directions differ in colour.
+    pub fn is_tinted(&self) -> bool {
+        self.environment.is_some()
+    }
+
+    /// Whether all directions are alike.
+    fn is_even(&self) -> bool {
+        self.chances.is_empty() && self.environment.is_none()
     }
 
     /// Density of [`SkySampler::sample`], per unit of solid angle.
     #[inline]
     pub fn pdf(&self, normal: DVec3, direction: DVec3) -> f64 {
         let by_cosine = cosine_hemisphere_pdf(normal.dot(direction));
-        if self.chances.is_empty() { by_cosine } else { 0.5 * (by_cosine + self.brightness_pdf(direction)) }
+        if self.is_even() { by_cosine } else { 0.5 * (by_cosine + self.brightness_pdf(direction)) }
     }
 
     fn by_brightness(&self, [u, v]: [f64; 2]) -> DVec3 {
+        if let Some((environment, sampler)) = &self.environment {
+            return sampler.sample(environment, [u, v]);
+        }
         let cell = self.chances.partition_point(|&upper| upper <= u).min(self.chances.len() - 1);
         let (lower, chance) = self.chance(cell);
         // What is left of u within the cell's share is as good as new.
@@ -86,6 +129,9 @@ impl SkySampler {
     }
 
     fn brightness_pdf(&self, direction: DVec3) -> f64 {
+        if let Some((environment, sampler)) = &self.environment {
+            return sampler.pdf(environment, direction);
+        }
         let local = self.frame.transpose() * direction;
         let place = |x: f64, count: usize| ((x * count as f64) as usize).min(count - 1);
         let ring = place(0.5 * (1.0 - local.z), RINGS);
@@ -127,7 +173,7 @@ mod tests {
             let mut drawn = [0.0; 4];
             for k in 0..n {
                 let [u, v, ..] = Sequence::new(4, 1, 0).point(k);
-                let (d, weight) = sky.sample(normal, [u, v]);
+                let SkyBeam { direction: d, weight, .. } = sky.sample(normal, [u, v]);
                 let tests = [1.0, d.x, d.y * d.y, d.z];
                 drawn.iter_mut().zip(tests).for_each(|(sum, f)| *sum += f * weight / f64::from(n));
             }

@@ -49,6 +49,12 @@ fn sky(scene: &Scene) -> Effect {
     Effect::new("sky", scene.sky().is_some(), reason)
 }
 
+fn textures(used: &[&Material]) -> Effect {
+    let names: Vec<&str> = used.iter().filter(|m| m.is_textured()).map(|m| m.name.as_str()).collect();
+    let reason = if names.is_empty() { "no texture".into() } else { names.join(", ") };
+    Effect::new("textures", !names.is_empty(), reason)
+}
+
 fn receivers(scene: &Scene) -> Effect {
     let names: Vec<&str> = scene.receivers().iter().map(|receiver| receiver.name.as_str()).collect();
     let reason = if names.is_empty() { "no receiver".into() } else { names.join(", ") };
@@ -144,7 +150,7 @@ impl Plan {
                 called_for("gloss", "rough conductor or plastic", &|k| {
                     scene.materials()[k].surface == Surface::Glossy
                 }),
-                called_for("textures", "texture", &|k| scene.materials()[k].textured),
+                textures(&used),
             ],
         }
     }

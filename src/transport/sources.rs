@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::{Mass, Transport};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
-use crate::trace::{Lights, Ray, Tracer, sampling};
+use crate::trace::{Lights, Ray, SkyBeam, Tracer, sampling};
 
 /// The streams of random sequences towards lights, one per light, and into the sky; apart from all others.
 const STREAM: u64 = 1 << 53;
@@ -220,18 +220,37 @@ impl Look<'_> {
         }
         if let Some(sky) = self.lights.sky() {
             let (sequence, points) = sampling::Sequence::stretch(self.seed, SKY_STREAM, slot, 0, self.rays);
-            let mut seen = Parts::<N> { whole: [1.0; PARTS], ..Default::default() };
+            // A sky of one colour is summed up once, others channel by channel.
+            let mut seen = [(); 3].map(|()| Parts::<N> { whole: [1.0; PARTS], ..Default::default() });
             let first = points.start;
             for k in points {
                 let [s, t, u, v] = sequence.point(k);
                 let [s, t] = sampling::uniform_triangle([s, t]);
-                let (direction, weight) = sky.sample(facet.normal, [u, v]);
+                let SkyBeam { direction, weight, tint } = sky.sample(facet.normal, [u, v]);
                 let ray = Ray { origin: a + (b - a) * s + (c - a) * t, direction, from: facet.face };
-                if weight > 0.0 && self.tracer.is_clear(&ray, f64::INFINITY) {
-                    seen.add(((k - first) as usize * PARTS) / self.rays as usize, weight, phi([s, t]));
+                if !(weight > 0.0 && self.tracer.is_clear(&ray, f64::INFINITY)) {
+                    continue;
+                }
+                let part = ((k - first) as usize * PARTS) / self.rays as usize;
+                match tint {
+                    None => seen[0].add(part, weight, phi([s, t])),
+                    Some(tint) => {
+                        let channels = seen.iter_mut().zip(tint).take(self.channels);
+                        channels.for_each(|(seen, tint)| seen.add(part, weight * tint, phi([s, t])));
+                    }
                 }
             }
-            add(&seen, 1.0 / f64::from(self.rays), sky.zenith());
+            let scale = 1.0 / f64::from(self.rays);
+            match sky.is_tinted() {
+                false => add(&seen[0], scale, sky.zenith()),
+                true => {
+                    for (c, (seen, zenith)) in seen.iter().zip(sky.zenith()).enumerate() {
+                        let mut alone = [0.0; 3];
+                        alone[c] = *zenith;
+                        add(seen, scale, &alone);
+                    }
+                }
+            }
         }
     }
 }

@@ -6,7 +6,7 @@ use super::{Occlusion, Plan, TraceOptions};
 use crate::scene::{Feature, Scene};
 
 /// Effects that can be left out, what each loses, and what is left out of the scene for it, if that is all.
-const SWITCHES: [(&str, &str, Option<Feature>); 11] = [
+const SWITCHES: [(&str, &str, Option<Feature>); 12] = [
     (
         "interreflection",
         "surfaces light no others: what comes straight from lamps, lights and sky is all there is",
@@ -18,6 +18,7 @@ const SWITCHES: [(&str, &str, Option<Feature>); 11] = [
     ("colour", "everything is grey, of the luminance of its colour", Some(Feature::Colour)),
     ("lights", "lights without area do not shine", Some(Feature::Lights)),
     ("sky", "no light comes from outside", Some(Feature::Sky)),
+    ("textures", "surfaces have the mean colour of their pictures", Some(Feature::Textures)),
     ("receivers", "nothing is measured beside the faces", Some(Feature::Receivers)),
     ("mirror", "mirrors are diffuse surfaces of the same reflectance", Some(Feature::Mirror)),
     (

@@ -404,12 +404,7 @@ fn faces_without_a_material_are_grey_even_where_a_material_is_called_default() {
 
 #[test]
 fn what_is_not_simulated_yet_is_recognised_and_named() {
-    for (lines, effect) in [
-        ("Pr 0.3", "gloss"),
-        ("Pm 1", "gloss"),
-        ("illum 5\nNs 100", "gloss"),
-        ("map_Kd wood.png", "textures"),
-    ] {
+    for (lines, effect) in [("Pr 0.3", "gloss"), ("Pm 1", "gloss"), ("illum 5\nNs 100", "gloss")] {
         let scene = loaded(&mtl(&format!("Kd 0.5\n{lines}")));
         let plan = Plan::new(&scene);
         let missing: Vec<_> = plan.missing().collect();

@@ -183,7 +183,7 @@ fn open_ground_under_a_sky_has_its_closed_form() {
         (SkyKind::Overcast, 7.0 * PI / 9.0),
         (SkyKind::Constant, PI),
     ] {
-        let scene = lit_quads(&[(ground(1.0), 0)], grey(0.5), vec![], Some(sky(kind, 100.0)));
+        let scene = lit_quads(&[(ground(1.0), 0)], grey(0.5), vec![], Some(sky(kind.clone(), 100.0)));
         let tracer = Tracer::new(&scene);
         let patches = cut(&tracer, PatchSize::Count(200));
         for basis in BASES {

@@ -5,12 +5,14 @@ mod commands; // what the program writes, prints and answers
 mod comparison; // the verdict on right solvers and on wrong ones
 mod convex; // exact form factors where nothing can hide anything
 mod effects; // what is lost without an effect, and that nothing else changes
+mod environments; // skies from pictures
 mod error_bars; // what an answer says of its own error, held against what the error is
 mod files; // what scene files mean, and how bad ones are refused
 mod form_factor_files; // form factors as CSV, Matrix Market and NumPy files, and the command that writes them
 mod form_factors; // closed forms, judged by standard errors
 mod hard_cases; // near-singular, tiny, huge, degenerate: every solver, both storages
 mod health; // what check finds, on sound scenes and on broken ones
+mod ies; // photometric files of luminaires
 mod lamp_columns; // direct light without bias
 mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, an independent reference
 mod lights; // lights without area and skies: closed forms, energy, the path tracer, settings
@@ -22,6 +24,7 @@ mod receivers; // light at points that are no patches, and what is reported in l
 mod saved_factors; // what may change around saved form factors, and what may not
 mod structure; // modules import only from their left
 mod study; // accuracy against time: errors that fall, noise that is called noise, studies that resume
+mod textures; // pictures on surfaces: averages, light paths, renderings, files
 
 mod scenes; // small scenes, made on the spot
 mod scratch; // a temporary folder for all of them

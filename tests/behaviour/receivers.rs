@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use radiosity::output::Illuminance;
+use radiosity::output::Levels;
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Light, Material, Receiver, Sky, SkyKind};
 use radiosity::trace::{Tracer, form_factor_to_triangle};
@@ -95,11 +95,12 @@ fn lights_without_area_reach_receivers_and_lit_ground_shines_back() {
 
 #[test]
 fn uniformity_is_the_lowest_by_the_mean_and_by_the_highest() {
-    let row = Illuminance::of("object", "desk", [(100.0, 1.0), (300.0, 3.0)].into_iter());
-    assert_eq!((row.area, row.mean, row.minimum, row.maximum), (4.0, 250.0, 100.0, 300.0));
+    let row = Levels::of([(100.0, 1.0), (300.0, 3.0)].into_iter()).unwrap();
+    assert_eq!((row.mean, row.minimum, row.maximum), (250.0, 100.0, 300.0));
     assert_eq!((row.uniformity, row.diversity), (0.4, 1.0 / 3.0));
-    let dark = Illuminance::of("object", "cellar", [(0.0, 1.0)].into_iter());
+    let dark = Levels::of([(0.0, 1.0)].into_iter()).unwrap();
     assert_eq!((dark.uniformity, dark.diversity), (0.0, 0.0));
+    assert_eq!(Levels::of(std::iter::empty()), None);
 }
 
 /// A floor under a point light of 100 cd, with these settings besides.
@@ -142,11 +143,51 @@ fn the_program_reports_lux_at_receivers_and_on_surfaces() {
     assert!((number(middle, 5) - 100.0 / 683.0).abs() < 1e-9);
     let rows = table("photometry.csv");
     let names: Vec<&str> = rows.iter().map(|row| row[1].as_str()).collect();
-    assert_eq!(names, ["black", "floor", "desk"]);
+    assert_eq!(names, ["black", "floor", "point 1", "desk"]);
     // 100 cd times the solid angle of the floor, over its 4 m².
     let exact = 100.0 * 4.0 * (1.0 / (2.0 * 6f64.sqrt())).atan() / 4.0;
-    assert!((number(&rows[1], 3) / exact - 1.0).abs() < 1e-6, "{rows:?}");
-    assert!((number(&rows[2], 5) - 100.0).abs() < 1e-6);
+    assert!((number(&rows[1], 4) / exact - 1.0).abs() < 1e-6, "{rows:?}");
+    assert!((number(&rows[3], 6) - 100.0).abs() < 1e-6);
+    // The lamp sends its intensity in all directions; black surfaces have no luminance, and receivers none either.
+    assert!((number(&rows[2], 3) / (400.0 * PI) - 1.0).abs() < 1e-8);
+    assert_eq!((rows[1][9].as_str(), rows[3][9].as_str(), rows[2][4].as_str()), ("0", "", ""));
+}
+
+#[test]
+fn luminance_is_what_leaves_a_matt_surface_and_every_header_names_its_unit() {
+    let folder = floor_with("");
+    folder.write("floor.mtl", "newmtl black\nKd 0.5\nKe 0.02\n");
+    let (done, message) = run(&folder, &["--photometric"]);
+    assert!(done, "{message}");
+    let table = |name: &str| {
+        let mut table = csv::Reader::from_path(folder.path(&format!("out/floor/{name}"))).unwrap();
+        let header: Vec<String> = table.headers().unwrap().iter().map(str::to_owned).collect();
+        let rows: Vec<csv::StringRecord> = table.records().map(|row| row.unwrap()).collect();
+        (header, rows)
+    };
+    for (name, rows, keys) in
+        [("faces_photometric.csv", 2, 4), ("patches_photometric.csv", 100, 3), ("photometry.csv", 3, 2)]
+    {
+        let (header, found) = table(name);
+        assert!(found.len() >= rows, "{name}: {}", found.len());
+        for column in &header[keys..] {
+            let named = ["_m", "_m2", "_lx", "_lm", "_u0", "_ud"].iter().any(|unit| column.ends_with(unit));
+            assert!(named, "{name}: {column} has no unit");
+        }
+    }
+    let (header, rows) = table("patches_photometric.csv");
+    let column = |name: &str| header.iter().position(|column| column == name).unwrap();
+    for row in &rows {
+        let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        // L = Lₑ + ρE/π on the front; the back gets nothing.
+        let exact = 683.0 * 0.02 + 0.5 * number("illuminance_lx") / PI;
+        assert!((number("luminance_cd_m2") / exact - 1.0).abs() < 1e-6, "{row:?}");
+    }
+    let (header, rows) = table("photometry.csv");
+    let emitted = header.iter().position(|column| column == "emitted_lm").unwrap();
+    assert!((rows[0][emitted].parse::<f64>().unwrap() / (683.0 * 0.02 * PI * 4.0) - 1.0).abs() < 1e-6);
+    let picture = image::open(folder.path("out/floor/luminance.png")).unwrap().into_rgb8();
+    assert!(picture.width() > 200);
 }
 
 #[test]

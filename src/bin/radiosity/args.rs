@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use radiosity::output::{self, Exposure, Outlines, OutputError, Outputs, Picture, RenderOptions, Shading};
+use radiosity::output::{
+    self, Exposure, Outlines, OutputError, Outputs, Picture, RenderOptions, Shading, Surfaces,
+};
 use radiosity::patches::{Basis, PatchSize, Patches, Reach, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Camera, Scene, SceneError};
@@ -264,7 +266,8 @@ impl PictureArgs {
         let (width, height) = self.size;
         let &Self { samples, .. } = self;
         let seed = run.seed;
-        let options = RenderOptions { width, height, shading, outlines, samples, seed, progress };
+        let surfaces = Surfaces::Textured;
+        let options = RenderOptions { width, height, shading, surfaces, outlines, samples, seed, progress };
         options.validate()?;
         Ok(options)
     }

@@ -35,7 +35,8 @@ enum Command {
     /// Solve a scene: tables, a coloured mesh and a picture
     ///
     /// Writes solution.json (what was done, energy, residuals and bounds), faces.csv and patches.csv (irradiance in W/m²,
-    /// radiance in W/sr/m²), mesh.ply and image.png; all of them, or none. Receivers of the scene's .toml add receivers.csv, --photometric adds photometry.csv and illuminance.png.
+    /// radiance in W/sr/m²), mesh.ply and image.png; all of them, or none. Receivers of the scene's .toml add receivers.csv, --photometric adds
+    /// photometry.csv, faces_photometric.csv, patches_photometric.csv, illuminance.png and luminance.png.
     Solve(solve::Args),
     /// Make a picture of a scene
     ///

@@ -1,7 +1,9 @@
 //! `radiosity solve`: the main job.
 
 use radiosity::measure::{Energy, ErrorBars, Undershoot};
-use radiosity::output::{self, EnergySummary, Illuminance, RenderOptions, SeriesSummary, Shading, Summary};
+use radiosity::output::{
+    self, EnergySummary, Photometry, Quantity, RenderOptions, SeriesSummary, Shading, Summary, Surfaces,
+};
 use radiosity::patches::Basis;
 use radiosity::scene::Feature;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
@@ -23,8 +25,8 @@ pub struct Args {
     factors: FactorsArgs,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Also report in lux: photometry.csv with mean, lowest and highest illuminance and uniformity by material, object and receiver,
-    /// and illuminance.png in false colours
+    /// Also report in lm, lx and cd/m²: photometry.csv with flux, mean, lowest and highest illuminance and luminance and their uniformity by
+    /// material, object, light and receiver; faces_photometric.csv and patches_photometric.csv; illuminance.png and luminance.png in false colours
     #[arg(long, help_heading = "Photometry")]
     photometric: bool,
 
@@ -104,9 +106,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     args::warn_if_black(&picture, terminal);
     // Illuminance is shown from patches and corners, however light is.
     let shading = if look.shading == Shading::Flat { Shading::Flat } else { Shading::Smooth };
-    let look = RenderOptions { shading, ..look };
+    let look = RenderOptions { shading, surfaces: Surfaces::Averaged, ..look };
     let false_colours = args.photometric.then(|| {
-        let lux = output::illuminance(&whole.irradiance, scene.efficacy());
+        let lux = output::luminous(&whole.irradiance, scene.efficacy());
         output::render(&tracer, &patches, &lux, &camera, &look)
     });
     let false_colours = false_colours.transpose()?;
@@ -126,13 +128,26 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         outputs.file("receivers.csv", |file| output::write_receivers(file, &received, efficacy))?;
     }
     let mut photometry: Vec<_> =
-        received.iter().map(|(receiver, h)| Illuminance::of_receiver(receiver, h, efficacy)).collect();
+        received.iter().map(|(receiver, h)| Photometry::of_receiver(receiver, h, efficacy)).collect();
     if args.photometric {
-        photometry.splice(0..0, Illuminance::of_surfaces(&patches, irradiance, efficacy));
+        let mut rows = Photometry::of_surfaces(&patches, irradiance, radiance);
+        rows.extend(Photometry::of_lights(&scene));
+        photometry.splice(0..0, rows);
         outputs.file("photometry.csv", |file| output::write_photometry(file, &photometry))?;
+        outputs.file("faces_photometric.csv", |file| {
+            output::write_luminous_faces(file, &patches, irradiance, radiance)
+        })?;
+        outputs.file("patches_photometric.csv", |file| {
+            output::write_luminous_patches(file, &patches, irradiance, radiance)
+        })?;
+        outputs.file("luminance.png", |file| {
+            output::write_false_colours(file, &picture, Quantity::Luminance, efficacy)
+        })?;
     }
     if let Some(picture) = &false_colours {
-        outputs.file("illuminance.png", |file| output::write_illuminance(file, picture))?;
+        outputs.file("illuminance.png", |file| {
+            output::write_false_colours(file, picture, Quantity::Illuminance, 1.0)
+        })?;
     }
     if args.lamp_groups {
         let lamps: Vec<_> = names.into_iter().zip(&by_group).collect();
@@ -264,15 +279,15 @@ fn in_carriers(energy: &EnergySummary) -> String {
 }
 
 /// A table of illuminances, lx.
-fn illuminances(rows: &[Illuminance]) -> String {
+fn illuminances(rows: &[Photometry]) -> String {
     let mut text = format!(
         "  {:<28} {:>10} {:>10} {:>10} {:>11}\n",
         "illuminance, lx", "mean", "minimum", "maximum", "uniformity"
     );
-    for row in rows {
+    for (row, lux) in rows.iter().filter_map(|row| Some((row, row.illuminance?))) {
         let name = format!("{} {}", row.kind, row.name);
-        let [mean, minimum, maximum] = [row.mean, row.minimum, row.maximum].map(short);
-        text += &format!("  {name:<28} {mean:>10} {minimum:>10} {maximum:>10} {:>11.3}\n", row.uniformity);
+        let [mean, minimum, maximum] = [lux.mean, lux.minimum, lux.maximum].map(short);
+        text += &format!("  {name:<28} {mean:>10} {minimum:>10} {maximum:>10} {:>11.3}\n", lux.uniformity);
     }
     text
 }

@@ -91,7 +91,7 @@ impl Starts {
     /// The fronts of lamps; without lamps, all patches.
     fn new(tracer: &Tracer, patches: &Patches) -> Self {
         let scene = tracer.scene();
-        let emission = |face: usize| scene.material_of(face).emission.iter().sum::<f64>();
+        let emission = |face: usize| scene.mean_emission(face).iter().sum::<f64>();
         let lamps = shape::kept(scene).filter(|&face| emission(face) > 0.0).map(|face| {
             let facet = Facet {
                 face: face as u32,
@@ -137,7 +137,10 @@ fn last_ray(tracer: &Tracer, start: Facet, seed: u64, path: u32) -> Option<Ray> 
         let face = hit.face as usize;
         let [x, y, lives, _] = sequence(bounce).point(path);
         let reflectance = &tracer.scene().material_of(face).reflectance;
-        if lives >= reflectance.iter().sum::<f64>() / reflectance.len() as f64 {
+        let texture = tracer.scene().reflectance_texture(face);
+        let factors = texture.map_or([1.0; 3], |texture| texture.at(hit.barycentrics));
+        let mean = reflectance.iter().zip(factors).map(|(rho, factor)| rho * factor).sum::<f64>();
+        if lives >= mean / reflectance.len() as f64 {
             break;
         }
         let [a, b, c] = *tracer.corners(face);

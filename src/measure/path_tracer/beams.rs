@@ -1,11 +1,13 @@
 //! Beams: light from sources without area, as a walk looks for it from each of its places; the path tracer's own way.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::surroundings::Surroundings;
 use super::walk::Place;
-use crate::scene::{Light, Sky, SkyShares};
+use crate::scene::{Environment, Light, Sky, SkyKind, SkyShares};
 use crate::trace::sampling::{cosine_hemisphere, frame_around};
 use crate::trace::{Ray, Tracer};
 
@@ -14,6 +16,7 @@ use crate::trace::{Ray, Tracer};
 pub(super) struct Beams {
     lights: Vec<Light>,
     sky: Option<(SkyShares, Sky)>,
+    environment: Option<(Arc<Environment>, Surroundings)>,
 }
 
 impl Beams {
@@ -22,7 +25,11 @@ impl Beams {
         let scene = tracer.scene();
         let lights: Vec<Light> = scene.lights().cloned().collect();
         let sky = scene.sky().map(|sky| (sky.shares(), sky.clone()));
-        (!lights.is_empty() || sky.is_some()).then_some(Self { lights, sky })
+        let environment = match scene.sky().map(|sky| &sky.kind) {
+            Some(SkyKind::Environment(around)) => Some((around.clone(), Surroundings::new(around))),
+            _ => None,
+        };
+        (!lights.is_empty() || sky.is_some()).then_some(Self { lights, sky, environment })
     }
 
     /// Calls `arrives(part, power)` for each part · power (per channel) of the irradiance at `place`, straight from lights and sky.
@@ -37,7 +44,9 @@ impl Beams {
         let ray = |direction: DVec3| Ray { origin: place.point, direction, from: place.face };
         for light in &self.lights {
             match light {
-                Light::Point { position, intensity } | Light::Spot { position, intensity, .. } => {
+                Light::Point { position, intensity }
+                | Light::Spot { position, intensity, .. }
+                | Light::Ies { position, intensity, .. } => {
                     // Go back to metres: intensity · cos θ / r².
                     let between = tracer.frame().from_world(*position) - place.point;
                     let distance = between.length();
@@ -66,7 +75,16 @@ impl Beams {
                 }
             }
         }
-        if let Some((shares, sky)) = &self.sky {
+        if let Some((environment, surroundings)) = &self.environment {
+            let (towards, worth) = surroundings.sample(environment, place.normal, [s, t]);
+            let part = worth * place.normal.dot(towards);
+            if part > 0.0 && tracer.is_clear(&ray(towards), f64::INFINITY) {
+                let Some((_, sky)) = &self.sky else { return };
+                let mut colour = environment.from(towards);
+                colour.iter_mut().zip(&sky.zenith).for_each(|(x, zenith)| *x *= zenith);
+                arrives(part, &colour[..sky.zenith.len().min(3)]);
+            }
+        } else if let Some((shares, sky)) = &self.sky {
             let towards = frame_around(place.normal) * cosine_hemisphere([s, t]);
             let part = PI * shares.from(towards);
             if part > 0.0 && tracer.is_clear(&ray(towards), f64::INFINITY) {

@@ -27,6 +27,8 @@ struct Light {
 pub(super) struct LightPoint {
     pub face: u32,
     pub point: DVec3,
+    /// Weights of the face's second and third corner.
+    pub barycentrics: [f64; 2],
     pub normal: DVec3,
     /// Density per unit of normalised area.
     pub density: f64,
@@ -41,7 +43,7 @@ impl Lights {
             let [a, b, c] = *tracer.corners(f);
             0.5 * (b - a).cross(c - a).length()
         };
-        let power = |f: usize| area(f) * scene.material_of(f).emission.iter().sum::<f64>();
+        let power = |f: usize| area(f) * scene.mean_emission(f).iter().sum::<f64>();
         let total: f64 = emitting.iter().map(|&f| power(f)).sum();
         let mut below = 0.0;
         let mut density = vec![0.0; scene.faces().len()];
@@ -73,6 +75,7 @@ impl Lights {
         Some(LightPoint {
             face: light.face,
             point: a + (b - a) * s + (c - a) * t,
+            barycentrics: [s, t],
             normal: light.normal,
             density: self.density[light.face as usize],
         })

@@ -7,6 +7,7 @@ mod beams;
 mod estimate;
 mod lights;
 mod rounds;
+mod surroundings;
 mod walk;
 
 use std::f64::consts::FRAC_1_PI;
@@ -94,11 +95,13 @@ impl<'t, 's> PathTracer<'t, 's> {
         } else {
             first
         };
+        let mut own = [0.0; 3];
         if hit.side == Side::Front {
-            let seen = walker.emission(hit.face).iter().zip(&colour);
+            let emission = walker.emission(hit.face, hit.barycentrics, &mut own);
+            let seen = emission.iter().zip(&colour);
             radiance.iter_mut().zip(seen).for_each(|(sum, (e, colour))| *sum += e * colour);
         }
-        let rho = walker.reflectance(hit.face);
+        let rho = walker.reflectance(hit.face, hit.barycentrics, &mut own);
         let [s, t, ..] = numbers.next();
         let mut weight = vec![0.0; walker.channels];
         let place = Place::of(walker.tracer, &hit);

@@ -13,7 +13,7 @@ use glam::DVec3;
 
 use super::beams::Beams;
 use super::lights::Lights;
-use crate::scene::Side;
+use crate::scene::{FaceTexture, Side};
 use crate::trace::sampling::{Sequence, cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
 use crate::trace::{Hit, Ray, Tracer};
 
@@ -70,12 +70,15 @@ pub(super) struct Walker<'t, 's> {
     /// Per face and channel.
     reflectance: Vec<f64>,
     emission: Vec<f64>,
+    /// Per face, what varies either over it; empty where no face has textures.
+    textures: Vec<[Option<FaceTexture<'s>>; 2]>,
 }
 
 impl<'t, 's> Walker<'t, 's> {
     pub fn new(tracer: &'t Tracer<'s>) -> Self {
         let scene = tracer.scene();
         let faces = 0..scene.faces().len();
+        let textured = if scene.has_textures() { faces.clone() } else { 0..0 };
         Self {
             tracer,
             lights: Lights::new(tracer),
@@ -86,19 +89,28 @@ impl<'t, 's> Walker<'t, 's> {
                 .flat_map(|f| scene.material_of(f).reflectance.iter().copied())
                 .collect(),
             emission: faces.flat_map(|f| scene.material_of(f).emission.iter().copied()).collect(),
+            textures: textured.map(|f| [scene.reflectance_texture(f), scene.emission_texture(f)]).collect(),
         }
     }
 
-    /// ρ of a face, per channel.
+    /// ρ at a point of a face, per channel; `own` is room for it.
     #[inline]
-    pub fn reflectance(&self, face: u32) -> &[f64] {
-        &self.reflectance[face as usize * self.channels..][..self.channels]
+    pub fn reflectance<'a>(&'a self, face: u32, point: [f64; 2], own: &'a mut [f64; 3]) -> &'a [f64] {
+        let reflectance = &self.reflectance[face as usize * self.channels..][..self.channels];
+        match self.textures.get(face as usize) {
+            Some([Some(texture), _]) => varied(reflectance, texture.at(point), own),
+            _ => reflectance,
+        }
     }
 
-    /// Lₑ of a face's front, per channel.
+    /// Lₑ at a point of a face's front, per channel; `own` is room for it.
     #[inline]
-    pub fn emission(&self, face: u32) -> &[f64] {
-        &self.emission[face as usize * self.channels..][..self.channels]
+    pub fn emission<'a>(&'a self, face: u32, point: [f64; 2], own: &'a mut [f64; 3]) -> &'a [f64] {
+        let emission = &self.emission[face as usize * self.channels..][..self.channels];
+        match self.textures.get(face as usize) {
+            Some([_, Some(texture)]) => varied(emission, texture.at(point), own),
+            _ => emission,
+        }
     }
 
     /// Walks on from `place`, first in direction `first` of the unit square. Calls `arrives(k, part, weight, emission)` for each part
@@ -123,8 +135,9 @@ impl<'t, 's> Walker<'t, 's> {
         for k in 0.. {
             // Look straight at a lamp.
             let [u, v, chance, _] = numbers.next();
-            if let Some((seen, face)) = self.look_at_light(&place, [u, v]) {
-                arrives(k + 1, seen, weight, self.emission(face));
+            let mut own = [0.0; 3];
+            if let Some((seen, face, point)) = self.look_at_light(&place, [u, v]) {
+                arrives(k + 1, seen, weight, self.emission(face, point, &mut own));
             }
             // Go on in a direction of density cos θ/π.
             let outwards = frame_around(place.normal) * cosine_hemisphere(direction);
@@ -144,11 +157,12 @@ impl<'t, 's> Walker<'t, 's> {
                 } else {
                     1.0
                 };
-                arrives(k + 1, PI * trust, weight, self.emission(hit.face));
+                arrives(k + 1, PI * trust, weight, self.emission(hit.face, hit.barycentrics, &mut own));
             }
             // Reflect, and let chance decide whether what is left is worth another step.
             let before = largest(weight);
-            weight.iter_mut().zip(self.reflectance(hit.face)).for_each(|(w, rho)| *w *= rho);
+            let reflectance = self.reflectance(hit.face, hit.barycentrics, &mut own);
+            weight.iter_mut().zip(reflectance).for_each(|(w, rho)| *w *= rho);
             let survival = largest(weight) / before;
             if survival == 0.0 {
                 return;
@@ -208,9 +222,9 @@ impl<'t, 's> Walker<'t, 's> {
         None
     }
 
-    /// A point on a lamp that is seen from `place`: irradiance per unit of its emission, and its face.
+    /// A point on a lamp that is seen from `place`: irradiance per unit of its emission, its face, and where on it.
     #[inline]
-    fn look_at_light(&self, place: &Place, square: [f64; 2]) -> Option<(f64, u32)> {
+    fn look_at_light(&self, place: &Place, square: [f64; 2]) -> Option<(f64, u32, [f64; 2])> {
         let light = self.lights.sample(square)?;
         let between = light.point - place.point;
         let squared = between.length_squared();
@@ -225,8 +239,16 @@ impl<'t, 's> Walker<'t, 's> {
         let by_light = light.density * squared * distance / there;
         let by_direction = cosine_hemisphere_pdf(here / distance);
         // cos θ cos θ′ / r², per density of the point.
-        Some((here * there / (squared * squared) / light.density * share(by_light, by_direction), light.face))
+        let seen = here * there / (squared * squared) / light.density * share(by_light, by_direction);
+        Some((seen, light.face, light.barycentrics))
     }
+}
+
+/// A colour under a texture; `own` is room for it.
+fn varied<'a>(colour: &[f64], factors: [f64; 3], own: &'a mut [f64; 3]) -> &'a [f64] {
+    let channels = colour.len().min(own.len());
+    own.iter_mut().zip(colour).zip(factors).for_each(|((own, x), factor)| *own = x * factor);
+    &own[..channels]
 }
 
 /// The power heuristic: how much of what one way of sampling finds is to be believed beside another.

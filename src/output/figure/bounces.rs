@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use nalgebra::DMatrix;
 
 use super::super::tone::luminance;
-use super::super::{Exposure, OutputError, Picture, RenderOptions, render};
+use super::super::{Exposure, OutputError, Picture, RenderOptions, Surfaces, render};
 use super::canvas::{Area, Canvas, GREY};
 use super::panel::{MARGIN, TITLE, draw_picture, draw_title, enlargement};
 use super::text::{self, TextSize};
@@ -42,6 +42,8 @@ impl BouncePictures {
         camera: &Camera,
         options: &RenderOptions,
     ) -> Result<Vec<Self>, OutputError> {
+        // What a bounce adds has nothing emitted in it.
+        let options = &RenderOptions { surfaces: Surfaces::Averaged, ..*options };
         let mut sum = DMatrix::zeros(terms.first().map_or(0, DMatrix::nrows), patches.scene().channels());
         let orders = terms.iter().enumerate().map(|(order, term)| {
             sum += term;

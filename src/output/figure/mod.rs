@@ -2,7 +2,7 @@
 //!
 //! [`write_comparison`] holds an answer against a reference, [`write_bounces`] shows how light builds up bounce by bounce,
 //! [`write_orders_plot`] how the error of the series falls with its order, and
-//! [`write_illuminance`] how much light falls where, in false colours. [`write_study_plot`] shows what accuracy costs in time, [`write_knobs_plot`] what each
+//! [`write_false_colours`] how much light falls or leaves where. [`write_study_plot`] shows what accuracy costs in time, [`write_knobs_plot`] what each
 //! knob of it does alone.
 
 mod axes;
@@ -10,7 +10,7 @@ mod bounces;
 mod canvas;
 mod comparison;
 mod diverging;
-mod illuminance;
+mod false_colours;
 mod knobs;
 mod loglog;
 mod multiples;
@@ -21,7 +21,7 @@ mod text;
 
 pub use bounces::{BouncePictures, write_bounces};
 pub use comparison::{ComparisonOptions, write_comparison};
-pub use illuminance::write_illuminance;
+pub use false_colours::{Quantity, write_false_colours};
 pub use knobs::write_knobs_plot;
 pub use multiples::{SmallPlot, write_small_plots};
 pub use orders::{OrdersPlot, write_orders_plot};

@@ -67,7 +67,7 @@ impl<'a, 's> Elements<'a, 's> {
 }
 
 /// Each coefficient of the radiance as red, green and blue.
-fn rgb_rows(radiance: &DMatrix<f64>) -> impl Iterator<Item = DVec3> {
+pub(super) fn rgb_rows(radiance: &DMatrix<f64>) -> impl Iterator<Item = DVec3> {
     radiance.row_iter().map(|row| to_rgb(row.transpose().as_slice()).into())
 }
 

@@ -11,8 +11,8 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 
 use super::super::to_rgb;
-use super::field::Elements;
-use crate::patches::Patches;
+use super::field::{Elements, rgb_rows};
+use crate::patches::{Barycentrics, Patches};
 use crate::scene::Side;
 use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around};
 use crate::trace::{Destination, Hit, LampView, Lamps, Lights, Ray, Tracer, geometry_term};
@@ -28,6 +28,8 @@ pub(super) struct Gather<'a, 's> {
     /// Of every material.
     reflectance: Vec<DVec3>,
     emission: Vec<DVec3>,
+    /// Emission of each patch, where textures vary it; else none.
+    emitted: Option<Vec<DVec3>>,
 }
 
 /// A point of a face's side.
@@ -67,6 +69,7 @@ impl<'a, 's> Gather<'a, 's> {
             radiance: Elements::new(patches, radiance),
             reflectance: materials.iter().map(|m| to_rgb(&m.reflectance).into()).collect(),
             emission: materials.iter().map(|m| to_rgb(&m.emission).into()).collect(),
+            emitted: tracer.scene().has_textures().then(|| rgb_rows(&patches.sources()).collect()),
         }
     }
 
@@ -113,8 +116,16 @@ impl<'a, 's> Gather<'a, 's> {
         let [s, t, u, v] = numbers.0.dimensions(numbers.1, 1);
         let place = self.place(hit);
         let material = self.tracer.scene().faces()[hit.face as usize].material as usize;
-        let reflectance = self.reflectance[material];
-        let emitted = self.emitted(hit.face, hit.side);
+        let scene = self.tracer.scene();
+        let [mut reflectance, mut emitted] = [self.reflectance[material], DVec3::ZERO];
+        if let Some(texture) = scene.reflectance_texture(hit.face as usize) {
+            reflectance *= DVec3::from(texture.at(hit.barycentrics));
+        }
+        if hit.side == Side::Front {
+            let texture = scene.emission_texture(hit.face as usize);
+            let factors = texture.map_or(DVec3::ONE, |texture| texture.at(hit.barycentrics).into());
+            emitted = self.emission[material] * factors;
+        }
         if reflectance == DVec3::ZERO {
             return emitted;
         }
@@ -152,10 +163,16 @@ impl<'a, 's> Gather<'a, 's> {
         }
     }
 
-    fn emitted(&self, face: u32, side: Side) -> DVec3 {
-        match side {
-            Side::Front => self.emission[self.tracer.scene().faces()[face as usize].material as usize],
-            Side::Back => DVec3::ZERO,
+    /// Emission as surfaces around see it: where a texture varies it, its mean over the patch.
+    fn emitted(&self, face: u32, side: Side, point: Barycentrics) -> DVec3 {
+        match (side, &self.emitted) {
+            (Side::Back, _) => DVec3::ZERO,
+            (Side::Front, None) => {
+                self.emission[self.tracer.scene().faces()[face as usize].material as usize]
+            }
+            (Side::Front, Some(emitted)) => {
+                self.patches.patch_at(face as usize, side, point).map_or(DVec3::ZERO, |patch| emitted[patch])
+            }
         }
     }
 
@@ -169,7 +186,7 @@ impl<'a, 's> Gather<'a, 's> {
             return DVec3::ZERO;
         }
         // Weigh g/p by p/(p + g): a cosine-distributed ray finds the same point with density g.
-        self.emitted(lamp.face, Side::Front) * (g / (lamp.pdf + g))
+        self.emitted(lamp.face, Side::Front, lamp.barycentrics) * (g / (lamp.pdf + g))
     }
 
     /// H/π from where a cosine-distributed ray lands.
@@ -197,7 +214,7 @@ impl<'a, 's> Gather<'a, 's> {
         let g = geometry_term((place.point, place.normal), (there.point, there.normal));
         let share = if pdf > 0.0 { pdf / (pdf + g) } else { 0.0 };
         // A linear element that falls below what the lamp emits leaves nothing to add.
-        (radiance - self.emitted(hit.face, hit.side) * share).max(DVec3::ZERO)
+        (radiance - self.emitted(hit.face, hit.side, hit.barycentrics) * share).max(DVec3::ZERO)
     }
 }
 

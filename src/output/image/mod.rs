@@ -10,6 +10,7 @@ mod gather;
 mod lens;
 mod numbers;
 mod outlines;
+mod painted;
 mod reflections;
 mod samples;
 
@@ -25,6 +26,7 @@ use self::gather::{Gather, Views};
 use self::lens::Lens;
 use self::numbers::Numbers;
 use self::outlines::dimming;
+use self::painted::Painted;
 use self::reflections::seen_along;
 use self::samples::{FEW, MANY, Samples, Seen, rough_pixels, stratified};
 use super::limiter::limited;
@@ -60,6 +62,15 @@ pub enum Outlines {
     Shown,
 }
 
+/// What is shown of surfaces whose textures vary reflectance or emission.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Surfaces {
+    /// The textures themselves, under the light that was solved for; for fields of radiance.
+    Textured,
+    /// The field as it is, with means over patches; for all other quantities. Gathered light and light paths always know textures.
+    Averaged,
+}
+
 /// How to render.
 #[derive(Clone, Copy, Debug)]
 pub struct RenderOptions<'a> {
@@ -69,6 +80,8 @@ pub struct RenderOptions<'a> {
     pub height: usize,
     /// How radiance varies within a patch.
     pub shading: Shading,
+    /// Whether textures are shown.
+    pub surfaces: Surfaces,
     /// Whether the edges of patches are drawn.
     pub outlines: Outlines,
     /// Random samples per pixel where light is gathered or paths are traced, 1 to 2²⁰; time grows in proportion, noise falls at least as their root.
@@ -81,12 +94,13 @@ pub struct RenderOptions<'a> {
 }
 
 impl Default for RenderOptions<'_> {
-    /// 800 × 600, smooth, without outlines; 64 samples where they are random.
+    /// 800 × 600, smooth, with textures, without outlines; 64 samples where they are random.
     fn default() -> Self {
         Self {
             width: 800,
             height: 600,
             shading: Shading::Smooth,
+            surfaces: Surfaces::Textured,
             outlines: Outlines::Hidden,
             samples: 64,
             seed: 0,
@@ -175,7 +189,7 @@ struct View<'a, 's> {
 /// What tells the radiance where a camera ray ends.
 enum Sight<'a, 's> {
     /// The solution: the same at every look, so a few samples do where nothing changes.
-    Field(Field<'a, 's>),
+    Field(Field<'a, 's>, Option<Painted<'a, 's>>),
     /// Light gathered there: random, so every pixel takes all its samples.
     Gather(Gather<'a, 's>),
     /// Light paths that start there: random too.
@@ -190,9 +204,14 @@ impl<'a, 's> View<'a, 's> {
         camera: &Camera,
         options: &'a RenderOptions,
     ) -> Self {
+        let field = |spread: &dyn Fn(&DMatrix<f64>) -> Field<'a, 's>| {
+            let shown = options.surfaces == Surfaces::Textured;
+            let painted = shown.then(|| Painted::new(patches, radiance, spread)).flatten();
+            Sight::Field(spread(radiance), painted)
+        };
         let sight = match options.shading {
-            Shading::Flat => Sight::Field(Field::flat(patches, radiance)),
-            Shading::Smooth => Sight::Field(Field::smooth(tracer, patches, radiance)),
+            Shading::Flat => field(&|field: &DMatrix<f64>| Field::flat(patches, field)),
+            Shading::Smooth => field(&|field: &DMatrix<f64>| Field::smooth(tracer, patches, field)),
             Shading::Gather => Sight::Gather(Gather::new(tracer, patches, radiance)),
             Shading::Path => Sight::Path(PathTracer::new(tracer)),
         };
@@ -206,7 +225,7 @@ impl<'a, 's> View<'a, 's> {
         let &RenderOptions { width, height, progress, .. } = self.options;
         let (pixels, lamps) = (Vec::with_capacity(width * height), Vec::with_capacity(width * height));
         let mut picture = Picture { width, height, pixels, lamps };
-        let passes = if matches!(self.sight, Sight::Field(_)) { 2 } else { 1 };
+        let passes = if matches!(self.sight, Sight::Field(..)) { 2 } else { 1 };
         let rows_done = AtomicUsize::new(0);
         let row_done = || {
             let rows = rows_done.fetch_add(1, Ordering::Relaxed) + 1;
@@ -215,7 +234,7 @@ impl<'a, 's> View<'a, 's> {
         for start in (0..height).step_by(rows) {
             let band = start..(start + rows).min(height);
             let pixels = match self.sight {
-                Sight::Field(_) => self.band_where_needed(band, row_done)?,
+                Sight::Field(..) => self.band_where_needed(band, row_done)?,
                 Sight::Gather(_) | Sight::Path(_) => self.band(band, row_done)?,
             };
             for (pixel, lamp) in pixels.iter().map(Samples::mean) {
@@ -275,8 +294,12 @@ impl<'a, 's> View<'a, 's> {
             let (sequence, place) = numbers.of_sample(k);
             let anywhere = || corner + DVec2::from_slice(&sequence.dimensions(place, 0)[..2]);
             let seen = match &self.sight {
-                Sight::Field(field) => self.look(corner + stratified(k), |ray| {
-                    let radiance = |hit: &Hit| Some(field.at(self.lit_patch(hit)?, hit.barycentrics));
+                Sight::Field(field, painted) => self.look(corner + stratified(k), |ray| {
+                    let radiance = |hit: &Hit| {
+                        let patch = self.lit_patch(hit)?;
+                        let painted = painted.as_ref().and_then(|painted| painted.at(patch, hit));
+                        Some(painted.unwrap_or_else(|| field.at(patch, hit.barycentrics)))
+                    };
                     seen_along(self.tracer, ray, &radiance)
                 }),
                 Sight::Gather(gather) => {
@@ -301,7 +324,9 @@ impl<'a, 's> View<'a, 's> {
     fn sky_behind(&self, ray: &Ray) -> Option<Seen> {
         let shares = self.sky.as_ref().filter(|_| self.tracer.is_clear(ray, f64::INFINITY))?;
         let zenith: DVec3 = to_rgb(&self.tracer.scene().sky()?.zenith).into();
-        Some(Seen { radiance: zenith * shares.from(ray.direction), is_lamp: true, outline: 1.0 })
+        let (share, tint) = shares.tinted(ray.direction);
+        let tint = tint.map_or(DVec3::ONE, DVec3::from);
+        Some(Seen { radiance: zenith * share * tint, is_lamp: true, outline: 1.0 })
     }
 
     /// What is seen at a point of the picture, if `meet` tells what the ray meets and the radiance that leaves there.

@@ -1,0 +1,56 @@
+//! Degenerate faces: those without area, and exact duplicates, which take no part.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use glam::DVec3;
+
+use super::{Face, FaceState, Material};
+
+/// Marks zero-area faces and exact duplicates, and says how many there were.
+pub(super) fn drop_degenerate(
+    faces: &mut [Face],
+    vertices: &[DVec3],
+    materials: &[Material],
+    warnings: &mut Vec<String>,
+) {
+    let (mut flat, mut twice, mut lamps_lost) = (0, 0, 0);
+    let mut emits_at: HashMap<[[u64; 3]; 3], bool> = HashMap::new();
+    for face in faces.iter_mut() {
+        let [a, b, c] = face.vertices.map(|v| vertices[v as usize]);
+        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+        if (b - a).cross(c - a).length() <= 1e-12 * longest {
+            face.state = FaceState::ZeroArea;
+            flat += 1;
+            continue;
+        }
+        // Adding zero makes -0.0 and 0.0 the same corner.
+        let mut corners = [a, b, c].map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));
+        corners.sort_unstable();
+        let emits = materials[face.material as usize].emits();
+        match emits_at.entry(corners) {
+            Entry::Vacant(first) => {
+                first.insert(emits);
+            }
+            Entry::Occupied(first) => {
+                face.state = FaceState::Duplicate;
+                twice += 1;
+                lamps_lost += usize::from(emits && !first.get());
+            }
+        }
+    }
+    if flat > 0 {
+        warnings.push(format!("dropped {}: no area", count(flat, "face")));
+    }
+    if twice > 0 {
+        warnings.push(format!("dropped {}: duplicates of earlier faces", count(twice, "face")));
+    }
+    if lamps_lost > 0 {
+        warnings.push(format!("{} of those emit, the earlier ones do not", count(lamps_lost, "duplicate")));
+    }
+}
+
+/// `1 face`, `2 faces`.
+pub(super) fn count(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}
