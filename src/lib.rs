@@ -70,7 +70,7 @@
 //! A *guaranteed* bound holds for the operator at hand in exact arithmetic; it does not speak of how well that operator stands
 //! for the scene.
 //!
-//! Mirrors and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
+//! Mirrors, metals and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
 //! beside it.
 //!
 //! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take [`Sources`](transport::Sources) for what starts in them:

@@ -2,8 +2,8 @@
 
 /// How a surface passes light on.
 ///
-/// Mirrors and dielectrics are *carriers*: light goes on from them in one direction or two, so that they are no patches but part of
-/// the way between patches.
+/// Mirrors, dielectrics and conductors are *carriers*: light goes on from them in one direction or two, or in a lobe, so that they are no
+/// patches but part of the way between patches.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
     /// Lambertian: radiance leaves equally in every direction.
@@ -20,31 +20,42 @@ pub enum Surface {
         /// Which part of the light Tf passes at each crossing of the surface, per channel, 0 to 1.
         filter: Vec<f64>,
     },
-    /// Rough conductor or plastic (`Pr`, `Pm`, or `illum 5`): recognised so that a run can name it as not yet simulated; it acts by
-    /// its diffuse reflectance.
-    Glossy,
+    /// Rough conductor (`Pm` and `Pr`, or `illum 5`), on both sides: light goes on in a lobe around the mirror's direction, GGX with
+    /// all reflections among its facets, so that a white one absorbs nothing.
+    Conductor {
+        /// Reflectance at normal incidence per channel, 0 to 1; towards grazing it rises to 1.
+        reflectance: Vec<f64>,
+        /// Roughness Pr, the root of GGX's α, 0 (a mirror to the eye) to 1.
+        roughness: f64,
+    },
+    /// Plastic (`Pr`, or `illum 5` with Kd): recognised so that a run can name it as not yet simulated; it acts by its diffuse
+    /// reflectance.
+    Plastic,
 }
 
 impl Surface {
     /// Whether light goes on from it without being spread diffusely.
     pub fn is_carrier(&self) -> bool {
-        matches!(self, Self::Mirror { .. } | Self::Dielectric { .. })
+        match self {
+            Self::Mirror { .. } | Self::Dielectric { .. } | Self::Conductor { .. } => true,
+            Self::Diffuse | Self::Plastic => false,
+        }
     }
 
     /// What it does to light's colour, per channel; nothing for surfaces that are no carriers.
     pub fn colour(&self) -> Option<&[f64]> {
         match self {
-            Self::Mirror { reflectance } => Some(reflectance),
+            Self::Mirror { reflectance } | Self::Conductor { reflectance, .. } => Some(reflectance),
             Self::Dielectric { filter, .. } => Some(filter),
-            Self::Diffuse | Self::Glossy => None,
+            Self::Diffuse | Self::Plastic => None,
         }
     }
 
     fn colour_mut(&mut self) -> Option<&mut Vec<f64>> {
         match self {
-            Self::Mirror { reflectance } => Some(reflectance),
+            Self::Mirror { reflectance } | Self::Conductor { reflectance, .. } => Some(reflectance),
             Self::Dielectric { filter, .. } => Some(filter),
-            Self::Diffuse | Self::Glossy => None,
+            Self::Diffuse | Self::Plastic => None,
         }
     }
 
@@ -55,13 +66,21 @@ impl Surface {
             Self::Mirror { reflectance } => outside(reflectance).map_or(Ok(()), |r| {
                 Err(format!("mirror reflectance {r} (Ks in MTL files) must lie between 0 and 1"))
             }),
+            Self::Conductor { roughness, .. } if !(0.0..=1.0).contains(roughness) => Err(format!(
+                "roughness {roughness} (Pr in MTL files) must lie between 0, a mirror, and 1, the roughest metal"
+            )),
+            Self::Conductor { reflectance, .. } => outside(reflectance).map_or(Ok(()), |r| {
+                Err(format!(
+                    "reflectance {r} of a metal (Ks in MTL files, or Kd with Pm) must lie between 0 and 1"
+                ))
+            }),
             Self::Dielectric { index, .. } if !(index.is_finite() && *index > 0.0) => Err(format!(
                 "index of refraction {index} (Ni in MTL files) must be positive; glass has 1.5, water 1.33"
             )),
             Self::Dielectric { filter, .. } => outside(filter).map_or(Ok(()), |t| {
                 Err(format!("transmission filter {t} (Tf in MTL files) must lie between 0 and 1"))
             }),
-            Self::Diffuse | Self::Glossy => Ok(()),
+            Self::Diffuse | Self::Plastic => Ok(()),
         }
     }
 }
@@ -104,6 +123,12 @@ impl Material {
         Self { surface, ..Self::diffuse(name, &vec![0.0; reflectance.len()]) }
     }
 
+    /// A rough conductor of this roughness, 0 to 1, and this reflectance at normal incidence per channel.
+    pub fn conductor(name: impl Into<String>, roughness: f64, reflectance: &[f64]) -> Self {
+        let surface = Surface::Conductor { reflectance: reflectance.to_vec(), roughness };
+        Self { surface, ..Self::diffuse(name, &vec![0.0; reflectance.len()]) }
+    }
+
     /// A smooth dielectric of this index of refraction, which lets this part of the light pass each of its surfaces, per channel.
     pub fn dielectric(name: impl Into<String>, index: f64, filter: &[f64]) -> Self {
         let surface = Surface::Dielectric { index, filter: filter.to_vec() };
@@ -130,7 +155,7 @@ impl Material {
         }
         if self.surface.is_carrier() && (self.emits() || self.reflects()) {
             return Err(
-                "a mirror or glass neither emits nor reflects diffusely; give that to a material of its own"
+                "a mirror, metal or glass neither emits nor reflects diffusely; give that to a material of its own"
                     .into(),
             );
         }

@@ -57,6 +57,8 @@ struct ReceiverSettings {
 struct MaterialSettings {
     reflectance: Option<Colour>,
     emission: Option<Colour>,
+    /// Of rough conductors, 0 to 1.
+    roughness: Option<f64>,
 }
 
 /// One number for every channel, or one each.
@@ -114,12 +116,21 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
         let Some(material) = parts.materials.iter_mut().find(|m| m.name == name) else {
             return Err(wrong("no face or library has it; remove it or correct its name".into()));
         };
-        let MaterialSettings { reflectance, emission } = given.get_ref();
+        let MaterialSettings { reflectance, emission, roughness } = given.get_ref();
         if let Some(reflectance) = reflectance {
             match &mut material.surface {
                 Surface::Mirror { reflectance: mirrored } => *mirrored = reflectance.channels(),
+                Surface::Conductor { reflectance: reflected, .. } => *reflected = reflectance.channels(),
                 _ => material.reflectance = reflectance.channels(),
             }
+        }
+        if let Some(given) = roughness {
+            let Surface::Conductor { roughness, .. } = &mut material.surface else {
+                let message =
+                    "only metals have a roughness; make it one by `Pm 1` in the MTL file, or remove it";
+                return Err(wrong(message.into()));
+            };
+            *roughness = *given;
         }
         if let Some(emission) = emission {
             material.emission = emission.channels();

@@ -75,9 +75,11 @@ impl Plan {
         };
         let carriers = used.iter().any(|m| m.surface.is_carrier());
         let caustics = match (carriers, used.iter().any(|m| m.emits())) {
-            (false, _) => effect("caustics", false, "no mirror, glass or water"),
+            (false, _) => effect("caustics", false, "no mirror, metal or glass"),
             (true, false) => effect("caustics", false, "no lamp"),
-            (true, true) => effect("caustics", true, "light shot from lamps through mirrors and glass"),
+            (true, true) => {
+                effect("caustics", true, "light shot from lamps through mirrors, metals and glass")
+            }
         };
         let coloured: Vec<&str> = used
             .iter()
@@ -85,7 +87,7 @@ impl Plan {
             .map(|m| m.name.as_str())
             .collect();
         let carrier_colour = match coloured.len() {
-            0 => effect("carrier colour", false, "no coloured mirror or glass"),
+            0 => effect("carrier colour", false, "no coloured mirror, metal or glass"),
             _ => Effect {
                 effect: "carrier colour",
                 on: false,
@@ -120,9 +122,8 @@ impl Plan {
                 }),
                 caustics,
                 carrier_colour,
-                called_for("gloss", "rough conductor or plastic", &|k| {
-                    scene.materials()[k].surface == Surface::Glossy
-                }),
+                carrier("gloss", "rough metal", |surface| matches!(surface, Surface::Conductor { .. })),
+                called_for("plastic", "plastic", &|k| scene.materials()[k].surface == Surface::Plastic),
                 called_for("textures", "texture", &|k| scene.materials()[k].textured),
             ],
         }

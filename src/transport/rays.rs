@@ -14,7 +14,7 @@ use super::recipe::{BATCHES, Recipe};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
-use crate::trace::{Destination, Hit, Lamps, Ray, Tracer, sampling, sampling::Sequence};
+use crate::trace::{Destination, Hit, Lamps, Ray, Tint, Tracer, sampling, sampling::Sequence};
 
 /// Where streams of random sequences for rays start.
 const STREAM: u64 = 0;
@@ -191,7 +191,7 @@ pub(super) fn end_of(
     (sequence, point): (Sequence, u32),
 ) -> (End, Option<Hit>) {
     let numbers = |k: u32| sequence.dimensions(point, k + 1);
-    let survives = |colour: &[f64], chance: f64| chance < colour.iter().sum::<f64>() / colour.len() as f64;
+    let survives = |colour: Tint, chance: f64| chance < colour.mean();
     match tracer.destination(ray, numbers, survives) {
         Destination::Diffuse { hit, carried } => {
             let slot = patches.slot_at(hit.face as usize, hit.side, hit.barycentrics);

@@ -14,7 +14,7 @@ use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::scene::{Receiver, Side};
 use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around};
-use crate::trace::{Destination, Lamps, Lights, Ray, Tracer, geometry_term};
+use crate::trace::{Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term};
 
 /// The streams of random sequences, apart from all others.
 const STREAM: u64 = 1 << 55;
@@ -110,11 +110,11 @@ impl Gather<'_, '_> {
             let [x, y, u, v] = sequence.point(k);
             let direction = frame * cosine_hemisphere([x, y]);
             let ray = Ray { origin: point, direction, from: Ray::FREE };
-            // By way of mirrors and glass too, in the mean of their colours.
+            // By way of carriers too, in the mean of their colours.
             let mut colour = 1.0;
             let numbers = |carrier: u32| sequence.dimensions(k, carrier + 1);
-            let dims = |part: &[f64], _: f64| {
-                colour *= part.iter().sum::<f64>() / part.len() as f64;
+            let dims = |tint: Tint, _: f64| {
+                colour *= tint.mean();
                 colour > 0.0
             };
             if let Destination::Diffuse { hit, carried } = self.tracer.destination(&ray, numbers, dims) {

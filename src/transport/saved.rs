@@ -257,7 +257,7 @@ impl Saved {
     }
 }
 
-/// A hash of everything that rays can meet, and of what mirrors and glass do with them.
+/// A hash of everything that rays can meet, and of what mirrors, metals and glass do with them.
 fn geometry_hash(scene: &Scene) -> u64 {
     let mut hash = Xxh3::new();
     for (k, face) in scene.faces().iter().enumerate() {
@@ -265,8 +265,13 @@ fn geometry_hash(scene: &Scene) -> u64 {
         scene.corners(k).iter().for_each(|p| hash.update(bytemuck::cast_slice(&p.to_array())));
         let surface = &scene.material_of(k).surface;
         if let Some(colour) = surface.colour() {
-            let index = if let Surface::Dielectric { index, .. } = surface { *index } else { 0.0 };
-            hash.update(bytemuck::bytes_of(&index));
+            // Mirrors have no number; an index lies apart from roughness by its sign.
+            let number = match surface {
+                Surface::Dielectric { index, .. } => *index,
+                Surface::Conductor { roughness, .. } => -1.0 - roughness,
+                Surface::Mirror { .. } | Surface::Diffuse | Surface::Plastic => 0.0,
+            };
+            hash.update(bytemuck::bytes_of(&number));
             hash.update(bytemuck::cast_slice(colour));
         }
     }

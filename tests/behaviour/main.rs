@@ -6,6 +6,7 @@ mod comparison; // the verdict on right solvers and on wrong ones
 mod files; // what scene files mean, and how bad ones are refused
 mod form_factor_files; // form factors as CSV, Matrix Market and NumPy files, and the command that writes them
 mod form_factors; // closed forms, judged by standard errors
+mod gloss; // rough metals: a furnace, light paths, another renderer, pictures
 mod hard_cases; // near-singular, tiny, huge, degenerate: every solver, both storages
 mod health; // what check finds, on sound scenes and on broken ones
 mod lamp_columns; // direct light without bias

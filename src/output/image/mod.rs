@@ -7,6 +7,7 @@
 
 mod field;
 mod gather;
+mod highlights;
 mod lens;
 mod numbers;
 mod outlines;
@@ -21,11 +22,12 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use self::field::Field;
-use self::gather::{Gather, Views};
+use self::gather::Gather;
+use self::highlights::{Highlights, Views};
 use self::lens::Lens;
 use self::numbers::Numbers;
 use self::outlines::dimming;
-use self::reflections::seen_along;
+use self::reflections::{Chances, seen_along};
 use self::samples::{FEW, MANY, Samples, Seen, rough_pixels, stratified};
 use super::limiter::limited;
 use super::{OutputError, Picture, to_rgb};
@@ -168,6 +170,7 @@ struct View<'a, 's> {
     patches: &'a Patches<'s>,
     lens: Lens,
     sight: Sight<'a, 's>,
+    highlights: Option<Highlights<'a, 's>>,
     sky: Option<SkyShares>,
     options: &'a RenderOptions<'a>,
 }
@@ -198,7 +201,7 @@ impl<'a, 's> View<'a, 's> {
         };
         let lens = Lens::new(tracer, camera, options.width, options.height);
         let sky = tracer.scene().sky().map(Sky::shares);
-        Self { tracer, patches, lens, sight, sky, options }
+        Self { tracer, patches, lens, sight, highlights: Highlights::new(tracer), sky, options }
     }
 
     /// The picture, made in bands of so many rows.
@@ -277,7 +280,10 @@ impl<'a, 's> View<'a, 's> {
             let seen = match &self.sight {
                 Sight::Field(field) => self.look(corner + stratified(k), |ray| {
                     let radiance = |hit: &Hit| Some(field.at(self.lit_patch(hit)?, hit.barycentrics));
-                    seen_along(self.tracer, ray, &radiance)
+                    let pixel = (y * self.options.width + x) as u64;
+                    let chances = Chances::new(self.options.seed, pixel, k);
+                    let highlights = self.highlights.as_ref();
+                    seen_along(self.tracer, highlights, ray, (chances, &mut views), &radiance)
                 }),
                 Sight::Gather(gather) => {
                     self.look(anywhere(), |ray| gather.seen_along(ray, (sequence, place), &mut views))
