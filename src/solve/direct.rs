@@ -1,7 +1,8 @@
 //! The direct solver: Cholesky factors of the symmetric form.
 //!
 //! With R = √ρ M^(−½), the matrix I − R S R is symmetric positive definite, has a unit scale whatever the patch areas, and
-//! does not mind ρ = 0. It is factored once per distinct ρ; channels with the same reflectances share their factor.
+//! does not mind ρ = 0. It is factored once per distinct ρ; channels with the same reflectances share their factor,
+//! unless coloured carriers make their exchange areas differ.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
@@ -53,7 +54,7 @@ fn split() -> Par {
 /// `Memory`, `Singular` or `Cancelled`.
 pub fn direct<'k>(k: &'k Transport<'k>, options: &DirectOptions) -> Result<Direct<'k>, SolveError> {
     let n = k.len();
-    let (factor_of, distinct) = distinct_channels(k.reflectance());
+    let (factor_of, distinct) = distinct_channels(k);
     let needed = 8 * (n as u64).pow(2) * distinct.len() as u64;
     if needed > options.memory {
         return Err(SolveError::Memory { n, needed, limit: options.memory });
@@ -102,21 +103,22 @@ pub(super) fn is_quick(k: &Transport, memory: u64) -> bool {
     // n³/3 multiplications and additions a factor; two cores do some 10¹¹ of these a second.
     const QUICK: f64 = 1.2e11;
     let n = k.len() as f64;
-    let factors = distinct_channels(k.reflectance()).1.len() as f64;
+    let factors = distinct_channels(k).1.len() as f64;
     factors * n.powi(3) / 3.0 < QUICK && factors * 8.0 * n * n <= memory as f64
 }
 
 /// For each channel the index of its factor, and for each factor its first channel.
-fn distinct_channels(reflectance: &DMatrix<f64>) -> (Vec<usize>, Vec<usize>) {
+fn distinct_channels(k: &Transport) -> (Vec<usize>, Vec<usize>) {
+    let reflectance = k.reflectance();
+    let alike =
+        |a: usize, b: usize| reflectance.column(a) == reflectance.column(b) && k.tone_of(a) == k.tone_of(b);
     let mut distinct: Vec<usize> = Vec::new();
     let factor_of = (0..reflectance.ncols())
         .map(|c| {
-            distinct.iter().position(|&d| reflectance.column(d) == reflectance.column(c)).unwrap_or_else(
-                || {
-                    distinct.push(c);
-                    distinct.len() - 1
-                },
-            )
+            distinct.iter().position(|&d| alike(d, c)).unwrap_or_else(|| {
+                distinct.push(c);
+                distinct.len() - 1
+            })
         })
         .collect();
     (factor_of, distinct)
@@ -152,7 +154,7 @@ fn back_substitute(
 ) -> DMatrix<f64> {
     let n = k.len();
     let mut y = DMatrix::zeros(n, e.ncols());
-    k.exchange().apply(e, &mut y);
+    k.through(e, &mut y);
     let mut y = root.times(&y);
     for (c, &f) in factor_of.iter().enumerate() {
         let scratch = llt::solve::solve_in_place_scratch::<f64>(n, 1, split());

@@ -6,8 +6,9 @@ use super::exchange::Exchange;
 use super::rays::Rows;
 use super::recipe::{BATCHES, RayCount, Recipe};
 use super::storage::StorageKind;
+use super::tones::Tones;
 use crate::patches::{Basis, Patches};
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::trace::{Tracer, sampling};
 
 /// What to keep of the rays once they have become exchange areas.
@@ -72,6 +73,11 @@ impl TraceOptions<'_> {
     /// # Errors
     /// `Rays` or `Memory`.
     pub fn check(&self, patches: usize) -> Result<(), TransportError> {
+        self.check_for(patches, 1)
+    }
+
+    /// The same for carriers of so many tones, each with a matrix of its own.
+    fn check_for(&self, patches: usize, tones: usize) -> Result<(), TransportError> {
         let rays = self.rays.unwrap_or(Self::usual_rays(patches));
         let most = BATCHES * sampling::SEQUENCE_END;
         if !(BATCHES..=most).contains(&rays) {
@@ -96,7 +102,8 @@ impl TraceOptions<'_> {
                 (Blocks::bytes_for(n, rays) + dense, 8)
             }
         };
-        let needed = matrix + per_ray * n * rays;
+        let per_ray = if tones > 1 { per_ray + 2 } else { per_ray };
+        let needed = tones as u64 * matrix + per_ray * n * rays;
         if needed > self.memory {
             return Err(TransportError::Memory { patches, needed, limit: self.memory });
         }
@@ -113,7 +120,9 @@ impl TraceOptions<'_> {
 /// The form factors between patches: geometry, without reflectances and sources.
 #[derive(Clone, Debug)]
 pub struct FormFactors {
-    exchange: Exchange,
+    /// One for each tone.
+    exchanges: Vec<Exchange>,
+    tones: Tones,
     rays: u32,
     rows: Option<Rows>,
 }
@@ -124,7 +133,7 @@ impl FormFactors {
     /// Sides that no probe found but a ray now lands on are added to `patches`.
     ///
     /// # Errors
-    /// `Rays`, `Dark`, `Memory` or `Cancelled`.
+    /// `Rays`, `Dark`, `Memory`, `Tones` or `Cancelled`.
     pub fn trace(
         tracer: &Tracer,
         patches: &mut Patches,
@@ -133,31 +142,69 @@ impl FormFactors {
         if patches.is_empty() {
             return Err(TransportError::Dark);
         }
-        options.check(patches.len())?;
+        let tones = Tones::of(tracer.scene());
+        tones.check()?;
+        options.check_for(patches.len(), tones.len())?;
         let rays = options.rays.unwrap_or(TraceOptions::usual_rays(patches.len())).next_multiple_of(BATCHES);
         options.progress.at("trace", 0.0)?;
         let count = RayCount { rays, lamp_rays: options.lamp_rays_for(rays) };
         let recipe = Recipe { count, seed: options.seed, basis: options.basis };
-        let rows = Rows::trace(tracer, patches, recipe, options.progress)?;
-        options.progress.at("balance", 0.0)?;
-        let exchange = Exchange::from_rows(&rows, patches, options.storage, None, options.progress)?;
-        let rows = (options.keep == Keep::Rays).then_some(rows);
-        Ok(Self { exchange, rays, rows })
+        let rows = Rows::trace(tracer, patches, (recipe, tones), options.progress)?;
+        Ok(Self::balance(rows, patches, options.storage, options.keep, options.progress)?)
+    }
+
+    /// Makes exchange areas of rays, for every tone.
+    pub(super) fn balance(
+        rows: Rows,
+        patches: &Patches,
+        storage: StorageKind,
+        keep: Keep,
+        progress: Progress,
+    ) -> Result<Self, Cancelled> {
+        progress.at("balance", 0.0)?;
+        let of = |tone: usize| Exchange::from_rows(&rows, (patches, tone), storage, None, progress);
+        let exchanges = (0..rows.tones.len()).map(of).collect::<Result<_, _>>()?;
+        let (rays, tones) = (rows.recipe.count.rays, rows.tones.clone());
+        Ok(Self { exchanges, tones, rays, rows: (keep == Keep::Rays).then_some(rows) })
     }
 
     /// How light varies over a patch.
     pub fn basis(&self) -> Basis {
-        self.exchange.basis()
+        self.exchange().basis()
     }
 
-    /// Symmetric exchange areas S_ij = A_i F_ij, normalised frame.
+    /// Symmetric exchange areas S_ij = A_i F_ij, normalised frame; of the first channel, where coloured carriers make channels differ.
     pub fn exchange(&self) -> &Exchange {
-        &self.exchange
+        &self.exchanges[0]
+    }
+
+    /// Exchange areas of a channel.
+    pub fn exchange_of(&self, channel: usize) -> &Exchange {
+        &self.exchanges[self.tones.of_channel(channel)]
+    }
+
+    /// The exchange areas that differ: one where carriers have no colour.
+    pub fn exchanges(&self) -> &[Exchange] {
+        &self.exchanges
+    }
+
+    /// Which of [`FormFactors::exchanges`] a channel has.
+    pub fn tone_of(&self, channel: usize) -> usize {
+        self.tones.of_channel(channel)
+    }
+
+    /// Bytes that all exchange areas take.
+    pub fn bytes(&self) -> u64 {
+        self.exchanges.iter().map(Exchange::bytes).sum()
     }
 
     /// Form factors that are known already, perhaps with their rays.
-    pub(super) fn from_parts(exchange: Exchange, rays: u32, rows: Option<Rows>) -> Self {
-        Self { exchange, rays, rows }
+    pub(super) fn from_parts(
+        (exchanges, tones): (Vec<Exchange>, Tones),
+        rays: u32,
+        rows: Option<Rows>,
+    ) -> Self {
+        Self { exchanges, tones, rays, rows }
     }
 
     /// The rays, if they were kept.
@@ -172,18 +219,18 @@ impl FormFactors {
 
     /// Number of patches n.
     pub fn len(&self) -> usize {
-        self.exchange.len() / self.basis().coefficients()
+        self.exchange().len() / self.basis().coefficients()
     }
 
     /// Whether there are no patches.
     pub fn is_empty(&self) -> bool {
-        self.exchange.is_empty()
+        self.exchange().is_empty()
     }
 }
 
 impl From<Exchange> for FormFactors {
     /// Form factors that come from elsewhere than rays.
     fn from(exchange: Exchange) -> Self {
-        Self { exchange, rays: 0, rows: None }
+        Self { exchanges: vec![exchange], tones: Tones::one(), rays: 0, rows: None }
     }
 }

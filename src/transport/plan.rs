@@ -90,9 +90,9 @@ impl Plan {
             0 => effect("carrier colour", false, "no coloured mirror, metal or glass"),
             _ => Effect {
                 effect: "carrier colour",
-                on: false,
+                on: true,
                 reason: format!(
-                    "not simulated yet; light between surfaces takes the mean of the channels of {}",
+                    "exchange areas of their own for channels that differ: {}",
                     coloured.join(", ")
                 ),
             },

@@ -6,7 +6,7 @@ use bytemuck::Pod;
 use xxhash_rust::xxh3::xxh3_64;
 
 /// Files of another version are refused.
-pub(super) const VERSION: u32 = 3;
+pub(super) const VERSION: u32 = 4;
 
 /// Why a file of form factors can't be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -29,7 +29,7 @@ pub enum FactorsFileError {
     Unreadable(String),
     /// It belongs to another scene.
     #[error(
-        "the file belongs to other geometry: vertices, faces, mirrors or glass differ from the scene's; save the form factors anew"
+        "the file belongs to other geometry: vertices, faces, mirrors, metals or glass differ from the scene's; save the form factors anew"
     )]
     OtherScene,
 }

@@ -1,6 +1,7 @@
 //! What the crate and its program promise, seen from outside: a map of behaviours.
 
 mod carriers; // mirrors and glass: closed forms, another renderer, bad input, pictures, saved form factors
+mod coloured_carriers; // mirrors, metals and glass by channel: light paths, energy, saved form factors, receivers
 mod commands; // what the program writes, prints and answers
 mod comparison; // the verdict on right solvers and on wrong ones
 mod files; // what scene files mean, and how bad ones are refused

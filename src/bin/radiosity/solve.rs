@@ -7,7 +7,7 @@ use radiosity::output::{
 use radiosity::patches::Basis;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Exchange, Plan, ReceiverRows, Sources, Transport};
+use radiosity::transport::{FormFactors, Plan, ReceiverRows, Sources, Transport};
 
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -154,14 +154,15 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     if args.run.json {
         terminal.print(serde_json::to_string_pretty(&summary)?)?;
     }
-    terminal.say(report(&summary, scene.faces().len(), factors.exchange()))?;
+    terminal.say(report(&summary, scene.faces().len(), &factors))?;
     let folder = args.scene.folder(&scene);
     terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()))?;
     Ok(())
 }
 
 /// What the user wants to know, in a dozen lines.
-fn report(summary: &Summary, faces: usize, exchange: &Exchange) -> String {
+fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
+    let exchange = factors.exchange();
     let Summary { solver, series, energy, closure, .. } = summary;
     let channels =
         if summary.channels == 1 { "one channel".into() } else { format!("{} channels", summary.channels) };
@@ -174,7 +175,7 @@ fn report(summary: &Summary, faces: usize, exchange: &Exchange) -> String {
         format!(
             "form factors  {} rays a patch, {:.1} MB {}; rows close to {:.0e}, from {:.0e} before balancing",
             summary.rays,
-            exchange.bytes() as f64 / 1e6,
+            factors.bytes() as f64 / 1e6,
             summary.storage,
             closure.after,
             closure.before
