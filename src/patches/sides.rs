@@ -186,9 +186,9 @@ impl Patches<'_> {
             let sequence = Sequence::new(seed, LIGHT_STREAM + u64::from(slot), 0);
             (0..LAMP_LOOKS).any(|k| {
                 let [s, t, u, v] = sequence.point(k);
-                let mut arrived = vec![0.0; channels];
+                let (mut arrived, mut scratch) = (vec![0.0; channels], vec![0.0; channels]);
                 let from = (facet.point([s, t]), facet.face);
-                lights.add_irradiance(tracer, from, facet.normal, || [u, v], &mut arrived);
+                lights.add_irradiance(tracer, from, facet.normal, || [u, v], [&mut arrived, &mut scratch]);
                 arrived.iter().any(|&x| x > 0.0)
             })
         };

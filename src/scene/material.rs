@@ -20,6 +20,14 @@ pub enum Surface {
         /// Which part of the light Tf passes at each crossing of the surface, per channel, 0 to 1.
         filter: Vec<f64>,
     },
+    /// Thin glass (`thin = true` for such a dielectric in the scene's `.toml`): a sheet that stands for both of its surfaces. Light goes
+    /// straight through, or is reflected, with all reflections inside.
+    Pane {
+        /// Index of refraction, relative to what lies around it.
+        index: f64,
+        /// Which part of the light is left on one way through, per channel, 0 to 1: Tf² where Tf passes each surface.
+        filter: Vec<f64>,
+    },
     /// Rough conductor (`Pm` and `Pr`, or `illum 5`), on both sides: light goes on in a lobe around the mirror's direction, GGX with
     /// all reflections among its facets, so that a white one absorbs nothing.
     Conductor {
@@ -37,7 +45,9 @@ impl Surface {
     /// Whether light goes on from it without being spread diffusely.
     pub fn is_carrier(&self) -> bool {
         match self {
-            Self::Mirror { .. } | Self::Dielectric { .. } | Self::Conductor { .. } => true,
+            Self::Mirror { .. } | Self::Dielectric { .. } | Self::Pane { .. } | Self::Conductor { .. } => {
+                true
+            }
             Self::Diffuse | Self::Plastic => false,
         }
     }
@@ -46,7 +56,7 @@ impl Surface {
     pub fn colour(&self) -> Option<&[f64]> {
         match self {
             Self::Mirror { reflectance } | Self::Conductor { reflectance, .. } => Some(reflectance),
-            Self::Dielectric { filter, .. } => Some(filter),
+            Self::Dielectric { filter, .. } | Self::Pane { filter, .. } => Some(filter),
             Self::Diffuse | Self::Plastic => None,
         }
     }
@@ -54,7 +64,7 @@ impl Surface {
     fn colour_mut(&mut self) -> Option<&mut Vec<f64>> {
         match self {
             Self::Mirror { reflectance } | Self::Conductor { reflectance, .. } => Some(reflectance),
-            Self::Dielectric { filter, .. } => Some(filter),
+            Self::Dielectric { filter, .. } | Self::Pane { filter, .. } => Some(filter),
             Self::Diffuse | Self::Plastic => None,
         }
     }
@@ -74,12 +84,17 @@ impl Surface {
                     "reflectance {r} of a metal (Ks in MTL files, or Kd with Pm) must lie between 0 and 1"
                 ))
             }),
-            Self::Dielectric { index, .. } if !(index.is_finite() && *index > 0.0) => Err(format!(
-                "index of refraction {index} (Ni in MTL files) must be positive; glass has 1.5, water 1.33"
-            )),
-            Self::Dielectric { filter, .. } => outside(filter).map_or(Ok(()), |t| {
-                Err(format!("transmission filter {t} (Tf in MTL files) must lie between 0 and 1"))
-            }),
+            Self::Dielectric { index, .. } | Self::Pane { index, .. }
+                if !(index.is_finite() && *index > 0.0) =>
+            {
+                Err(format!(
+                    "index of refraction {index} (Ni in MTL files) must be positive; glass has 1.5, water 1.33"
+                ))
+            }
+            Self::Dielectric { filter, .. } | Self::Pane { filter, .. } => outside(filter)
+                .map_or(Ok(()), |t| {
+                    Err(format!("transmission filter {t} (Tf in MTL files) must lie between 0 and 1"))
+                }),
             Self::Diffuse | Self::Plastic => Ok(()),
         }
     }
@@ -132,6 +147,12 @@ impl Material {
     /// A smooth dielectric of this index of refraction, which lets this part of the light pass each of its surfaces, per channel.
     pub fn dielectric(name: impl Into<String>, index: f64, filter: &[f64]) -> Self {
         let surface = Surface::Dielectric { index, filter: filter.to_vec() };
+        Self { surface, ..Self::diffuse(name, &vec![0.0; filter.len()]) }
+    }
+
+    /// A sheet of glass of this index of refraction, through which this part of the light goes that enters it, per channel.
+    pub fn pane(name: impl Into<String>, index: f64, filter: &[f64]) -> Self {
+        let surface = Surface::Pane { index, filter: filter.to_vec() };
         Self { surface, ..Self::diffuse(name, &vec![0.0; filter.len()]) }
     }
 

@@ -441,7 +441,8 @@ fn check_lights(lights: &[Light], sky: Option<&Sky>, channels: usize) -> Result<
 
 /// Says so where mirrors, metals and glass stand in the way of lights that they should pass on.
 fn warn_of_shadows(lights: &[Light], sky: Option<&Sky>, materials: &[Material], warnings: &mut Vec<String>) {
-    let mut carriers = materials.iter().filter(|material| material.surface.is_carrier()).peekable();
+    let casts = |surface: &Surface| surface.is_carrier() && !matches!(surface, Surface::Pane { .. });
+    let mut carriers = materials.iter().filter(|material| casts(&material.surface)).peekable();
     if carriers.peek().is_some() && (sky.is_some() || !lights.is_empty()) {
         let names: Vec<&str> = carriers.map(|material| material.name.as_str()).collect();
         warnings.push(format!(

@@ -102,6 +102,8 @@ pub struct Tracer<'s> {
     carriers: Vec<bool>,
     /// Per material what makes it a rough conductor; empty where none is.
     gloss: Vec<Option<Gloss<'s>>>,
+    /// Whether some face is of thin glass.
+    has_panes: bool,
     bvh: Bvh,
 }
 
@@ -120,7 +122,9 @@ impl<'s> Tracer<'s> {
         if !carriers.contains(&true) {
             carriers = Vec::new();
         }
-        Self { scene, frame, corners, normals, carriers, gloss: gloss_of(scene), bvh }
+        let is_pane = |&f: &u32| matches!(scene.material_of(f as usize).surface, Surface::Pane { .. });
+        let has_panes = kept.iter().any(is_pane);
+        Self { scene, frame, corners, normals, carriers, gloss: gloss_of(scene), has_panes, bvh }
     }
 
     /// The scene whose faces these are.

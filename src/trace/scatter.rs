@@ -2,14 +2,14 @@
 //!
 //! A mirror sends it on in one direction, r = d − 2(d·n)n. Smooth glass reflects the part F of its power and refracts the rest
 //! (Snell 1621, Fresnel 1823); beyond the critical angle F = 1. Which of the two a random ray takes is chosen with their own
-//! probabilities F and 1 − F, so that the ray keeps its weight. A rough conductor spreads it over a lobe, of which a random ray takes one
+//! probabilities F and 1 − F, so that the ray keeps its weight. A sheet of thin glass does the same but lets rays go straight on. A rough conductor spreads it over a lobe, of which a random ray takes one
 //! direction.
 
 use glam::DVec3;
 
 use super::gloss::Gloss;
 use super::sampling::frame_around;
-use super::{Hit, Ray, Tracer};
+use super::{Hit, Ray, SKIN, Tracer};
 use crate::scene::{Side, Surface};
 
 /// A ray that has met more carriers than this is given up as lost.
@@ -168,6 +168,15 @@ impl<'s> Tracer<'s> {
                 let refracted = (ray.direction + normal * cosine) / ratio - normal * inside.sqrt();
                 (way(reflected, share, None), Some(way(refracted, 1.0 - share, Some(Tint::of(filter)))))
             }
+            Surface::Pane { index, filter } => {
+                // R of either surface, and all reflections between them: R + fR(1 − R)/(1 + R) back and f(1 − R)/(1 + R) through, for
+                // what goes in crosses two surfaces on either way and is dimmed by f.
+                let once = fresnel(cosine, *index);
+                let through = (1.0 - once) / (1.0 + once);
+                let back = Tint::towards_white(filter, 0.5 * (1.0 + once));
+                let second = way(ray.direction, through, Some(Tint::of(filter)));
+                (way(reflected, 1.0 - through, Some(back)), Some(second))
+            }
             Surface::Diffuse | Surface::Conductor { .. } | Surface::Plastic => {
                 panic!("face {face} is neither mirror nor glass")
             }
@@ -189,6 +198,31 @@ impl<'s> Tracer<'s> {
         }
         let (first, second) = self.ways_on(ray, hit);
         second.filter(|_| random[0] >= first.share).unwrap_or(first)
+    }
+
+    /// Whether light gets along a ray to this distance (normalised, or infinite) straight, through thin glass where it stands in the way;
+    /// `parts` is multiplied by what that leaves of it, per channel.
+    #[inline]
+    pub fn passes(&self, ray: &Ray, distance: f64, parts: &mut [f64]) -> bool {
+        if self.has_panes { self.passes_panes(ray, distance, parts) } else { self.is_clear(ray, distance) }
+    }
+
+    fn passes_panes(&self, ray: &Ray, mut distance: f64, parts: &mut [f64]) -> bool {
+        let mut ray = *ray;
+        for _ in 0..LONGEST {
+            let Some(hit) = self.closest_hit(&ray).filter(|hit| hit.distance < distance - SKIN) else {
+                return true;
+            };
+            if !matches!(self.scene.material_of(hit.face as usize).surface, Surface::Pane { .. }) {
+                return false;
+            }
+            let Some(through) = self.ways_on(&ray, &hit).1 else { return false };
+            let tints = through.colour.into_iter().flat_map(Tint::parts);
+            parts.iter_mut().zip(tints).for_each(|(part, tint)| *part *= through.share * tint);
+            distance -= hit.distance;
+            ray = through.ray;
+        }
+        false
     }
 
     /// Follows a ray, by one way at every carrier, until it meets a diffuse surface or ends elsewhere.

@@ -122,6 +122,7 @@ impl Plan {
                 }),
                 caustics,
                 carrier_colour,
+                carrier("thin glass", "thin glass", |surface| matches!(surface, Surface::Pane { .. })),
                 carrier("gloss", "rough metal", |surface| matches!(surface, Surface::Conductor { .. })),
                 called_for("plastic", "plastic", &|k| scene.materials()[k].surface == Surface::Plastic),
                 called_for("textures", "texture", &|k| scene.materials()[k].textured),

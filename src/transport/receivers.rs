@@ -178,12 +178,19 @@ impl Gather<'_, '_> {
 
     fn add_direct(&self, point: DVec3, place: u32, direct: &mut [f64]) {
         let Some(lights) = &self.lights else { return };
+        let mut scratch = vec![0.0; direct.len()];
         let (sequence, points) = Sequence::stretch(self.seed, LIGHT_STREAM, place, 0, self.rays);
         for k in points {
             let [u, v, s, t] = sequence.point(k);
             let mut numbers = [[u, v], [s, t]].into_iter().cycle();
             let mut random = || numbers.next().unwrap_or([u, v]);
-            lights.add_irradiance(self.tracer, (point, Ray::FREE), self.normal, &mut random, direct);
+            lights.add_irradiance(
+                self.tracer,
+                (point, Ray::FREE),
+                self.normal,
+                &mut random,
+                [direct, &mut scratch],
+            );
         }
         direct.iter_mut().for_each(|h| *h /= f64::from(self.rays));
     }

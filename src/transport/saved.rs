@@ -294,11 +294,11 @@ fn geometry_hash(scene: &Scene) -> u64 {
         scene.corners(k).iter().for_each(|p| hash.update(bytemuck::cast_slice(&p.to_array())));
         let surface = &scene.material_of(k).surface;
         if let Some(colour) = surface.colour() {
-            // Mirrors have no number; an index lies apart from roughness by its sign.
             let number = match surface {
-                Surface::Dielectric { index, .. } => *index,
-                Surface::Conductor { roughness, .. } => -1.0 - roughness,
-                Surface::Mirror { .. } | Surface::Diffuse | Surface::Plastic => 0.0,
+                Surface::Mirror { .. } | Surface::Diffuse | Surface::Plastic => [0.0, 0.0],
+                Surface::Dielectric { index, .. } => [1.0, *index],
+                Surface::Conductor { roughness, .. } => [2.0, *roughness],
+                Surface::Pane { index, .. } => [3.0, *index],
             };
             hash.update(bytemuck::bytes_of(&number));
             hash.update(bytemuck::cast_slice(colour));

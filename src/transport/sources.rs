@@ -126,10 +126,16 @@ impl Look<'_> {
         let facet = self.patches.facet(self.tracer, slot);
         let [a, b, c] = facet.corners;
         let area = self.patches.areas()[patch];
-        let mut add = |sums: [f64; N], scale: f64, power: &[f64]| {
-            for (row, sum) in moments.chunks_exact_mut(self.channels).zip(sums) {
-                row.iter_mut().zip(power).for_each(|(moment, power)| *moment += area * scale * sum * power);
+        // What thin glass leaves of a ray, and sums over rays, per channel.
+        let mut parts = vec![1.0; self.channels];
+        let mut seen = vec![[0.0; N]; self.channels];
+        let mut add = |seen: &mut Vec<[f64; N]>, scale: f64, power: &[f64]| {
+            for (a, row) in moments.chunks_exact_mut(self.channels).enumerate() {
+                for (c, moment) in row.iter_mut().enumerate() {
+                    *moment += area * scale * seen[c][a] * power[c];
+                }
             }
+            seen.fill([0.0; N]);
         };
         for light in 0..self.lights.len() {
             let mean = self.lights.mean_density(light, &facet.corners, facet.normal);
@@ -140,7 +146,7 @@ impl Look<'_> {
             let rays = self.rays.div_ceil(4);
             let stream = STREAM + ((light as u64) << 32);
             let (sequence, points) = sampling::Sequence::stretch(self.seed, stream, slot, 0, rays);
-            let (mut whole, mut seen) = (0.0, [0.0; N]);
+            let mut whole = 0.0;
             for k in points {
                 let [s, t, u, v] = sequence.point(k);
                 let [s, t] = sampling::uniform_triangle([s, t]);
@@ -151,8 +157,10 @@ impl Look<'_> {
                     continue;
                 }
                 whole += weight;
-                if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, (point, facet.face)) {
-                    seen.iter_mut().zip(phi([s, t])).for_each(|(sum, phi)| *sum += weight * beam.share * phi);
+                parts.fill(1.0);
+                let place = (point, facet.face);
+                if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, place, &mut parts) {
+                    add_sample(&mut seen, &parts, weight * beam.share, phi([s, t]));
                 }
             }
             // Scale to what is known of all rays together.
@@ -161,21 +169,29 @@ impl Look<'_> {
                 Some(_) => 0.0,
                 None => 1.0 / f64::from(rays),
             };
-            add(seen, scale, self.lights.power(light));
+            add(&mut seen, scale, self.lights.power(light));
         }
         if let Some(sky) = self.lights.sky() {
             let (sequence, points) = sampling::Sequence::stretch(self.seed, SKY_STREAM, slot, 0, self.rays);
-            let mut seen = [0.0; N];
             for k in points {
                 let [s, t, u, v] = sequence.point(k);
                 let [s, t] = sampling::uniform_triangle([s, t]);
                 let (direction, weight) = sky.sample(facet.normal, [u, v]);
                 let ray = Ray { origin: a + (b - a) * s + (c - a) * t, direction, from: facet.face };
-                if weight > 0.0 && self.tracer.is_clear(&ray, f64::INFINITY) {
-                    seen.iter_mut().zip(phi([s, t])).for_each(|(sum, phi)| *sum += weight * phi);
+                parts.fill(1.0);
+                if weight > 0.0 && self.tracer.passes(&ray, f64::INFINITY, &mut parts) {
+                    add_sample(&mut seen, &parts, weight, phi([s, t]));
                 }
             }
-            add(seen, 1.0 / f64::from(self.rays), sky.zenith());
+            add(&mut seen, 1.0 / f64::from(self.rays), sky.zenith());
         }
+    }
+}
+
+/// Adds what a ray brings to the sums of each channel and basis function.
+#[inline]
+fn add_sample<const N: usize>(seen: &mut [[f64; N]], parts: &[f64], weight: f64, phi: [f64; N]) {
+    for (sums, part) in seen.iter_mut().zip(parts) {
+        sums.iter_mut().zip(phi).for_each(|(sum, phi)| *sum += weight * phi * part);
     }
 }

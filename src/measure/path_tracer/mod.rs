@@ -26,7 +26,7 @@ use crate::trace::sampling::Sequence;
 use crate::trace::{Hit, Ray, Tracer};
 use estimate::Half;
 use rounds::{first_round, next_round};
-use walk::{Met, Numbers, Place, Walker};
+use walk::{Beyond, Met, Numbers, Place, Walker};
 
 /// Where the streams of random sequences start; one a patch and half.
 const STREAM: u64 = 1 << 50;
@@ -94,8 +94,19 @@ impl<'t, 's> PathTracer<'t, 's> {
                 radiance.iter_mut().zip(seen).for_each(|(sum, (e, weight))| *sum += part * e * weight);
             };
             match walker.beyond_carriers(*ray, first, &mut numbers, [&mut colour, scratch], lamp_seen) {
-                Some(met) => met,
-                None => return Some(first),
+                Beyond::Met(met) => met,
+                Beyond::Away(last) => {
+                    if let Some(sky) = walker.tracer.scene().sky() {
+                        let share = sky.shares().from(last.direction);
+                        let seen = sky.zenith.iter().zip(&colour);
+                        radiance
+                            .iter_mut()
+                            .zip(seen)
+                            .for_each(|(sum, (zenith, colour))| *sum += share * zenith * colour);
+                    }
+                    return Some(first);
+                }
+                Beyond::Nowhere => return Some(first),
             }
         } else {
             Met { hit: first, direction: ray.direction, density: None }

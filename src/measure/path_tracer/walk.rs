@@ -55,6 +55,16 @@ pub(super) struct Met {
     pub density: Option<f64>,
 }
 
+/// Where a walk over carriers ends.
+pub(super) enum Beyond {
+    /// On a diffuse surface.
+    Met(Met),
+    /// Outside, by this ray.
+    Away(Ray),
+    /// In a carrier, or nowhere.
+    Nowhere,
+}
+
 /// The random numbers of a path: a point of a sequence, four dimensions at a time.
 pub(super) struct Numbers {
     pub sequence: Sequence,
@@ -129,7 +139,9 @@ impl<'t, 's> Walker<'t, 's> {
         weight.fill(1.0);
         let mut direction = first;
         if let Some(beams) = &self.beams {
-            beams.look(self.tracer, &place, numbers.next(), |part, power| arrives(0, part, weight, power));
+            beams.look(self.tracer, &place, numbers.next(), scratch, |part, power| {
+                arrives(0, part, weight, power);
+            });
         }
         for k in 0.. {
             // Look straight at a lamp.
@@ -145,12 +157,14 @@ impl<'t, 's> Walker<'t, 's> {
                 let lamp_seen = |part: f64, weight: &[f64], emission: &[f64]| {
                     arrives(k + 1, PI * part, weight, emission);
                 };
-                self.beyond_carriers(ray, first, numbers, [weight, scratch], lamp_seen)
+                match self.beyond_carriers(ray, first, numbers, [weight, scratch], lamp_seen) {
+                    Beyond::Met(met) => met,
+                    Beyond::Away(_) | Beyond::Nowhere => return,
+                }
             } else {
                 let density = Some(cosine_hemisphere_pdf(place.normal.dot(outwards)));
-                Some(Met { hit: first, direction: outwards, density })
+                Met { hit: first, direction: outwards, density }
             };
-            let Some(met) = met else { return };
             let hit = met.hit;
             let next = Place::of(self.tracer, &hit);
             // Count the lamp that was met.
@@ -166,7 +180,9 @@ impl<'t, 's> Walker<'t, 's> {
             }
             if let Some(beams) = &self.beams {
                 let random = numbers.next();
-                beams.look(self.tracer, &next, random, |part, power| arrives(k + 1, part, weight, power));
+                beams.look(self.tracer, &next, random, scratch, |part, power| {
+                    arrives(k + 1, part, weight, power);
+                });
             }
             if k == longest {
                 return;
@@ -183,8 +199,7 @@ impl<'t, 's> Walker<'t, 's> {
         }
     }
 
-    /// The diffuse surface on which a ray ends that carriers pass on from `hit`, by one way at each; nothing if it leaves or is
-    /// absorbed. Its weight takes on their colours; beside it there is scratch, both a value a channel. Calls `lamp_seen(part, weight, emission)` for each
+    /// Where a ray ends that carriers pass on from `hit`, by one way at each. Its weight takes on their colours; beside it there is scratch, both a value a channel. Calls `lamp_seen(part, weight, emission)` for each
     /// part·weight·emission of the radiance that comes straight from a lamp by a rough conductor and was looked for there.
     pub fn beyond_carriers(
         &self,
@@ -193,7 +208,7 @@ impl<'t, 's> Walker<'t, 's> {
         numbers: &mut Numbers,
         [weight, scratch]: [&mut [f64]; 2],
         mut lamp_seen: impl FnMut(f64, &[f64], &[f64]),
-    ) -> Option<Met> {
+    ) -> Beyond {
         for met in 0..MOST_CARRIERS {
             let glossy = self.tracer.glossy(&ray, &hit);
             if let Some(glossy) = &glossy {
@@ -211,24 +226,25 @@ impl<'t, 's> Walker<'t, 's> {
                 weight.iter_mut().zip(colour.parts()).for_each(|(w, part)| *w *= part);
                 let survival = largest(weight) / before;
                 if survival.is_nan() || survival == 0.0 {
-                    return None;
+                    return Beyond::Nowhere;
                 }
                 // Far on its way, let chance decide whether what is left is worth another step.
                 if met >= CERTAIN {
                     if life >= survival {
-                        return None;
+                        return Beyond::Nowhere;
                     }
                     weight.iter_mut().for_each(|w| *w /= survival);
                 }
             }
             ray = scattered.ray;
-            hit = self.tracer.closest_hit(&ray)?;
+            let Some(next) = self.tracer.closest_hit(&ray) else { return Beyond::Away(ray) };
+            hit = next;
             if !self.tracer.is_carrier(hit.face) {
                 let density = glossy.map(|glossy| glossy.density(ray.direction));
-                return Some(Met { hit, direction: ray.direction, density });
+                return Beyond::Met(Met { hit, direction: ray.direction, density });
             }
         }
-        None
+        Beyond::Nowhere
     }
 
     /// How much of a lamp that was met is to be believed, beside what is found by points drawn on lamps.

@@ -62,11 +62,18 @@ impl<'a, 's> Gather<'a, 's> {
     }
 
     /// The radiance that comes along a camera's ray, and what the ray met first; none where no light comes. Random numbers are those of a
-    /// point of a sequence, from dimension set 1 on; where the ray meets carriers it takes one way at each, by chance.
-    pub fn seen_along(&self, ray: &Ray, numbers: (Sequence, u32), views: &mut Views) -> Option<(Hit, DVec3)> {
+    /// point of a sequence, from dimension set 1 on; where the ray meets carriers it takes one way at each, by chance, and where that leads
+    /// outside it sees `away`.
+    pub fn seen_along(
+        &self,
+        ray: &Ray,
+        numbers: (Sequence, u32),
+        views: &mut Views,
+        away: impl Fn(&Ray) -> DVec3,
+    ) -> Option<(Hit, DVec3)> {
         let first = self.tracer.closest_hit(ray)?;
         if self.tracer.is_carrier(first.face) {
-            let seen = self.seen_over_carriers(*ray, first, (numbers, 3), views, |hit, views| {
+            let seen = self.seen_over_carriers(*ray, first, (numbers, 3), views, away, |hit, views| {
                 let lit = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics).is_some();
                 if lit { self.radiance(hit, numbers, views) } else { DVec3::ZERO }
             });
@@ -76,7 +83,8 @@ impl<'a, 's> Gather<'a, 's> {
         lit.then(|| (first, self.radiance(&first, numbers, views)))
     }
 
-    /// The radiance that comes along a ray which carriers pass on from `hit`, by one way at each; `radiance` tells that of diffuse surfaces.
+    /// The radiance that comes along a ray which carriers pass on from `hit`, by one way at each; `radiance` tells that of diffuse surfaces, `away` that of
+    /// what lies outside.
     /// Random numbers are those of every other dimension set from `first_set` on.
     fn seen_over_carriers(
         &self,
@@ -84,6 +92,7 @@ impl<'a, 's> Gather<'a, 's> {
         mut hit: Hit,
         ((sequence, point), first_set): ((Sequence, u32), u32),
         views: &mut Views,
+        away: impl Fn(&Ray) -> DVec3,
         radiance: impl FnOnce(&Hit, &mut Views) -> DVec3,
     ) -> DVec3 {
         let (mut seen, mut colour) = (DVec3::ZERO, DVec3::ONE);
@@ -105,9 +114,10 @@ impl<'a, 's> Gather<'a, 's> {
             let scattered = self.tracer.scatter(&ray, &hit, [way, u, v], &mut next_numbers);
             colour *= scattered.colour.map_or(DVec3::ONE, rgb_of);
             ray = scattered.ray;
-            let Some(next) = self.tracer.closest_hit(&ray).filter(|_| colour.max_element() > 0.0) else {
+            if colour.max_element() <= 0.0 {
                 return seen;
-            };
+            }
+            let Some(next) = self.tracer.closest_hit(&ray) else { return seen + colour * away(&ray) };
             hit = next;
             if !self.tracer.is_carrier(hit.face) {
                 let radiance = radiance(&hit, views);
@@ -138,13 +148,14 @@ impl<'a, 's> Gather<'a, 's> {
     /// H₀/π: straight from lights without area and from the sky.
     fn light_of_lights(&self, place: &Place, random: [f64; 2]) -> DVec3 {
         let Some(lights) = &self.lights else { return DVec3::ZERO };
-        let mut irradiance = vec![0.0; self.tracer.scene().channels()];
+        let channels = self.tracer.scene().channels();
+        let (mut irradiance, mut scratch) = (vec![0.0; channels], vec![0.0; channels]);
         lights.add_irradiance(
             self.tracer,
             (place.point, place.face),
             place.normal,
             || random,
-            &mut irradiance,
+            [&mut irradiance, &mut scratch],
         );
         DVec3::from(to_rgb(&irradiance)) * FRAC_1_PI
     }
@@ -198,7 +209,14 @@ impl<'a, 's> Gather<'a, 's> {
         };
         // What comes by way of carriers is found by such rays, and by looks at lamps from rough metal.
         if self.tracer.is_carrier(hit.face) {
-            return self.seen_over_carriers(ray, hit, (numbers, 2), views, |hit, _| solved(hit));
+            return self.seen_over_carriers(
+                ray,
+                hit,
+                (numbers, 2),
+                views,
+                |_| DVec3::ZERO,
+                |hit, _| solved(hit),
+            );
         }
         let radiance = solved(&hit);
         if !self.lamps.contains(hit.face as usize, hit.side) {

@@ -273,6 +273,7 @@ impl<'a, 's> View<'a, 's> {
         let numbers = Numbers::of_pixel(self.options, x, y);
         let mut views = Views::default();
         let mut channels = vec![0.0; self.tracer.scene().channels()];
+        let away = |ray: &Ray| self.sky_towards(ray.direction).unwrap_or_default();
         for k in range {
             // Dimension set 0 tells where in the pixel, those that follow what happens there.
             let (sequence, place) = numbers.of_sample(k);
@@ -283,10 +284,10 @@ impl<'a, 's> View<'a, 's> {
                     let pixel = (y * self.options.width + x) as u64;
                     let chances = Chances::new(self.options.seed, pixel, k);
                     let highlights = self.highlights.as_ref();
-                    seen_along(self.tracer, highlights, ray, (chances, &mut views), &radiance)
+                    seen_along(self.tracer, highlights, ray, (chances, &mut views), &away, &radiance)
                 }),
                 Sight::Gather(gather) => {
-                    self.look(anywhere(), |ray| gather.seen_along(ray, (sequence, place), &mut views))
+                    self.look(anywhere(), |ray| gather.seen_along(ray, (sequence, place), &mut views, away))
                 }
                 Sight::Path(paths) => self.look(anywhere(), |ray| {
                     channels.fill(0.0);
@@ -305,9 +306,15 @@ impl<'a, 's> View<'a, 's> {
 
     /// What a ray that leaves the scene sees of the sky.
     fn sky_behind(&self, ray: &Ray) -> Option<Seen> {
-        let shares = self.sky.as_ref().filter(|_| self.tracer.is_clear(ray, f64::INFINITY))?;
+        let radiance =
+            self.sky_towards(ray.direction).filter(|_| self.tracer.is_clear(ray, f64::INFINITY))?;
+        Some(Seen { radiance, is_lamp: true, outline: 1.0 })
+    }
+
+    /// The radiance of the sky in a direction.
+    fn sky_towards(&self, direction: DVec3) -> Option<DVec3> {
         let zenith: DVec3 = to_rgb(&self.tracer.scene().sky()?.zenith).into();
-        Some(Seen { radiance: zenith * shares.from(ray.direction), is_lamp: true, outline: 1.0 })
+        Some(zenith * self.sky.as_ref()?.from(direction))
     }
 
     /// What is seen at a point of the picture, if `meet` tells what the ray meets and the radiance that leaves there.

@@ -33,19 +33,21 @@ impl Chances {
     }
 }
 
-/// The radiance that comes along `ray` by all ways over carriers, and what the ray met first; `radiance` tells that of diffuse surfaces.
+/// The radiance that comes along `ray` by all ways over carriers, and what the ray met first; `radiance` tells that of diffuse surfaces,
+/// `away` that of what lies outside.
 pub(super) fn seen_along(
     tracer: &Tracer,
     highlights: Option<&Highlights>,
     ray: &Ray,
     (chances, views): (Chances, &mut Views),
+    away: &impl Fn(&Ray) -> DVec3,
     radiance: &impl Fn(&Hit) -> Option<DVec3>,
 ) -> Option<(Hit, DVec3)> {
     let hit = tracer.closest_hit(ray)?;
     match tracer.is_carrier(hit.face) {
         false => Some((hit, radiance(&hit)?)),
         true => {
-            let mut look = Look { tracer, highlights, chances, views, radiance };
+            let mut look = Look { tracer, highlights, chances, views, away, radiance };
             Some((hit, look.over_carriers(ray, &hit, Way { part: DVec3::ONE, depth: 0, point: None })))
         }
     }
@@ -71,15 +73,16 @@ struct Way {
 }
 
 /// All it takes to follow the ways of one look.
-struct Look<'a, 's, R> {
+struct Look<'a, 's, A, R> {
     tracer: &'a Tracer<'s>,
     highlights: Option<&'a Highlights<'a, 's>>,
     chances: Chances,
     views: &'a mut Views,
+    away: &'a A,
     radiance: &'a R,
 }
 
-impl<R: Fn(&Hit) -> Option<DVec3>> Look<'_, '_, R> {
+impl<A: Fn(&Ray) -> DVec3, R: Fn(&Hit) -> Option<DVec3>> Look<'_, '_, A, R> {
     /// The part of what is seen that comes by way of a carrier.
     fn over_carriers(&mut self, ray: &Ray, hit: &Hit, way: Way) -> DVec3 {
         let Some(glossy) = self.tracer.glossy(ray, hit) else {
@@ -124,7 +127,7 @@ impl<R: Fn(&Hit) -> Option<DVec3>> Look<'_, '_, R> {
             return DVec3::ZERO;
         }
         match self.tracer.closest_hit(ray) {
-            None => DVec3::ZERO,
+            None => way.part * (self.away)(ray),
             Some(next) if self.tracer.is_carrier(next.face) => {
                 self.over_carriers(ray, &next, Way { depth: way.depth + 1, ..way })
             }
