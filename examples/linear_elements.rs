@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use radiosity::measure::{ReferenceRow, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
-use radiosity::scene::{Scene, Side};
+use radiosity::scene::Scene;
 use radiosity::solve::{self, CgOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// Solves a scene and compares irradiance by face.
 fn error(name: &str, size: PatchSize, rays: u32, basis: Basis) -> Result<f64, Box<dyn std::error::Error>> {
-    let reference = read_reference(&format!("{FOLDER}/{name}.csv"))?;
+    let reference = ReferenceRow::read(format!("{FOLDER}/{name}.csv"))?;
     let start = Instant::now();
     let scene = Scene::load(format!("{FOLDER}/{name}.obj"))?;
     let tracer = Tracer::new(&scene);
@@ -58,22 +58,4 @@ fn error(name: &str, size: PatchSize, rays: u32, basis: Basis) -> Result<f64, Bo
         basis.name()
     );
     Ok(rms.value)
-}
-
-/// Reads `face,side,area,E_r,E_g,E_b,se_r,se_g,se_b`.
-fn read_reference(path: &str) -> Result<Vec<ReferenceRow>, Box<dyn std::error::Error>> {
-    let mut rows = Vec::new();
-    for record in csv::Reader::from_path(path)?.records() {
-        let record = record?;
-        let number = |k: usize| record[k].parse::<f64>();
-        let numbers = |columns: std::ops::Range<usize>| columns.map(number).collect::<Result<Vec<_>, _>>();
-        let side = if &record[1] == "front" { Side::Front } else { Side::Back };
-        rows.push(ReferenceRow {
-            face: record[0].parse()?,
-            side,
-            mean: numbers(3..6)?,
-            standard_error: numbers(6..9)?,
-        });
-    }
-    Ok(rows)
 }

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use radiosity::measure::{ReferenceRow, RelativeRms};
 use radiosity::patches::{Patches, Tessellation};
-use radiosity::scene::{Scene, Side};
+use radiosity::scene::Scene;
 use radiosity::solve::{self, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("scene         faces  patches  seconds  relative RMS error  (noise of the reference)");
     let mut worst = 0.0f64;
     for name in ["cornell", "cornell_fine", "gallery", "mirror_room"] {
-        let mut reference = read_reference(&format!("{FOLDER}/{name}.csv"))?;
+        let mut reference = ReferenceRow::read(format!("{FOLDER}/{name}.csv"))?;
         let start = Instant::now();
         let scene = Scene::load(format!("{FOLDER}/{name}.obj"))?;
         let tracer = Tracer::new(&scene);
@@ -39,22 +39,4 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     assert!(worst <= 0.01, "an ordinary room should come out within 1 % per face");
     Ok(())
-}
-
-/// Reads `face,side,area,E_r,E_g,E_b,se_r,se_g,se_b`.
-fn read_reference(path: &str) -> Result<Vec<ReferenceRow>, Box<dyn std::error::Error>> {
-    let mut rows = Vec::new();
-    for record in csv::Reader::from_path(path)?.records() {
-        let record = record?;
-        let number = |k: usize| record[k].parse::<f64>();
-        let numbers = |columns: std::ops::Range<usize>| columns.map(number).collect::<Result<Vec<_>, _>>();
-        let side = if &record[1] == "front" { Side::Front } else { Side::Back };
-        rows.push(ReferenceRow {
-            face: record[0].parse()?,
-            side,
-            mean: numbers(3..6)?,
-            standard_error: numbers(6..9)?,
-        });
-    }
-    Ok(rows)
 }

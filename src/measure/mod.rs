@@ -3,8 +3,10 @@
 //! [`PathTracer`] is the independent witness; [`Comparison`] holds an answer against it. [`Energy`] and the health reports need no
 //! witness: they look at the answer itself.
 
+mod accuracy;
 mod comparison;
 mod energy;
+mod error_bars;
 mod health;
 mod path_tracer;
 mod undershoot;
@@ -13,11 +15,13 @@ use crate::patches::PatchError;
 use crate::progress::Cancelled;
 use crate::solve::SolveError;
 use crate::transport::TransportError;
+pub use accuracy::{AccuracyStep, Accurate, Ending, Goal, Resource, Setting, Tolerated, reach};
 pub use comparison::{
-    Agreement, Comparison, Difference, MeshError, OrderOptions, OrderRow, Reason, ReferenceRow, RelativeRms,
-    Worst,
+    Agreement, Comparison, Difference, MeshError, OrderOptions, OrderRow, Reason, ReferenceError,
+    ReferenceRow, RelativeRms, Worst,
 };
 pub use energy::Energy;
+pub use error_bars::{ErrorBars, ErrorBudget, ErrorPart};
 pub use health::{Finding, Verdict, mesh_health, operator_health};
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
 pub use undershoot::Undershoot;
@@ -31,6 +35,9 @@ pub enum MeasureError {
         "a path tracer needs a budget: a standard error, a time or a number of paths, each above 0 where it is given"
     )]
     Budget,
+    /// From reading a table of references.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
     /// From cutting the scene anew.
     #[error(transparent)]
     Patches(#[from] PatchError),

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use serde::Serialize;
 
 use super::{Illuminance, to_rgb};
-use crate::measure::{Energy, Undershoot};
+use crate::measure::{AccuracyStep, Energy, ErrorBudget, Undershoot};
 use crate::solve::{Report, Series, Solution};
 use crate::transport::{Closure, Effect};
 
@@ -56,8 +56,11 @@ pub struct Summary {
     pub photometry: Vec<Illuminance>,
     /// How far radiance falls below zero within patches; not at all for constant elements.
     pub undershoot: Undershoot,
-    /// Error bars; not estimated yet.
-    pub error: Option<()>,
+    /// How wrong irradiance by face is, and why.
+    pub error: ErrorBudget,
+    /// What each step towards an accuracy bought, where one was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub steps: Vec<AccuracyStep>,
     /// What the user should know.
     pub warnings: Vec<String>,
 }

@@ -5,14 +5,27 @@ use std::io::{self, Write};
 use nalgebra::DMatrix;
 
 use super::to_rgb;
-use crate::patches::Patches;
+use crate::measure::ErrorBars;
+use crate::patches::{FaceRow, Patches};
 use crate::solve::Solution;
 
-/// Columns of radiometric tables after their keys.
-const QUANTITIES: [&str; 6] =
-    ["irradiance_r", "irradiance_g", "irradiance_b", "radiance_r", "radiance_g", "radiance_b"];
+/// Columns of radiometric tables after their keys; the last three, one standard error of irradiance, where that is known.
+const QUANTITIES: [&str; 9] = [
+    "irradiance_r",
+    "irradiance_g",
+    "irradiance_b",
+    "radiance_r",
+    "radiance_g",
+    "radiance_b",
+    "error_r",
+    "error_g",
+    "error_b",
+];
 
-/// Writes `faces.csv`: a row per face and side that light reaches, with averages over the face.
+/// How many of [`QUANTITIES`] there are without errors.
+const WITHOUT_ERRORS: usize = 6;
+
+/// Writes `faces.csv`: a row per face and side that light reaches, with averages over the face, and one standard error of irradiance.
 ///
 /// `irradiance` (W·m⁻²) and `radiance` (W·sr⁻¹·m⁻²) are n × c.
 ///
@@ -23,8 +36,13 @@ pub fn write_faces(
     patches: &Patches,
     irradiance: &DMatrix<f64>,
     radiance: &DMatrix<f64>,
+    errors: &ErrorBars,
 ) -> io::Result<()> {
-    write(writer, &FACE_KEYS, |table| write_face_rows(table, patches, None, (irradiance, radiance)))
+    let columns: Vec<&str> = FACE_KEYS.iter().chain(&QUANTITIES).copied().collect();
+    let errors = Some(errors.faces.as_slice());
+    write_columns(writer, &columns, |table| {
+        write_face_rows(table, patches, None, (irradiance, radiance), errors)
+    })
 }
 
 /// Writes `lamp_groups.csv`: the rows of `faces.csv` for each group of lamps by itself, with the group's name in front.
@@ -36,10 +54,11 @@ pub fn write_lamp_groups(
     patches: &Patches,
     groups: &[(&str, &Solution)],
 ) -> io::Result<()> {
-    let keys: Vec<&str> = std::iter::once("lamps").chain(FACE_KEYS).collect();
-    write(writer, &keys, |table| {
+    let quantities = QUANTITIES.into_iter().take(WITHOUT_ERRORS);
+    let columns: Vec<&str> = std::iter::once("lamps").chain(FACE_KEYS).chain(quantities).collect();
+    write_columns(writer, &columns, |table| {
         groups.iter().try_for_each(|&(name, solution)| {
-            write_face_rows(table, patches, Some(name), (&solution.irradiance, &solution.radiance))
+            write_face_rows(table, patches, Some(name), (&solution.irradiance, &solution.radiance), None)
         })
     })
 }
@@ -51,9 +70,11 @@ fn write_face_rows(
     patches: &Patches,
     group: Option<&str>,
     (irradiance, radiance): (&DMatrix<f64>, &DMatrix<f64>),
+    errors: Option<&[FaceRow]>,
 ) -> csv::Result<()> {
     let scene = patches.scene();
-    for (h, l) in patches.average_by_face(irradiance).into_iter().zip(patches.average_by_face(radiance)) {
+    let rows = patches.average_by_face(irradiance).into_iter().zip(patches.average_by_face(radiance));
+    for (f, (h, l)) in rows.enumerate() {
         let face = &scene.faces()[h.face];
         let keys = [
             h.face.to_string(),
@@ -63,12 +84,13 @@ fn write_face_rows(
             digits(h.area),
         ];
         let row = group.map(str::to_owned).into_iter().chain(keys).chain(quantities(&h.mean, &l.mean));
-        table.write_record(row)?;
+        let errors = errors.into_iter().flat_map(|rows| to_rgb(&rows[f].mean)).map(digits);
+        table.write_record(row.chain(errors))?;
     }
     Ok(())
 }
 
-/// Writes `patches.csv`: a row per patch, with its centre in metres.
+/// Writes `patches.csv`: a row per patch, with its centre in metres, and one standard error of irradiance.
 ///
 /// # Errors
 /// Those of `writer`.
@@ -77,9 +99,12 @@ pub fn write_patches(
     patches: &Patches,
     irradiance: &DMatrix<f64>,
     radiance: &DMatrix<f64>,
+    errors: &ErrorBars,
 ) -> io::Result<()> {
+    let columns: Vec<&str> =
+        ["patch", "face", "side", "cx", "cy", "cz", "area"].into_iter().chain(QUANTITIES).collect();
     let row = |field: &DMatrix<f64>, i: usize| field.row(i).iter().copied().collect::<Vec<f64>>();
-    write(writer, &["patch", "face", "side", "cx", "cy", "cz", "area"], |table| {
+    write_columns(writer, &columns, |table| {
         for i in 0..patches.len() {
             let (place, centre) = (patches.place(i), patches.centre(i));
             let keys = [
@@ -91,7 +116,9 @@ pub fn write_patches(
                 digits(centre.z),
                 digits(patches.area(i)),
             ];
-            table.write_record(keys.into_iter().chain(quantities(&row(irradiance, i), &row(radiance, i))))?;
+            let fields = [irradiance, radiance, &errors.patches].map(|field| row(field, i));
+            let values = fields.iter().flat_map(|values| to_rgb(values)).map(digits);
+            table.write_record(keys.into_iter().chain(values))?;
         }
         Ok(())
     })
@@ -99,16 +126,6 @@ pub fn write_patches(
 
 fn quantities(irradiance: &[f64], radiance: &[f64]) -> impl Iterator<Item = String> {
     to_rgb(irradiance).into_iter().chain(to_rgb(radiance)).map(digits)
-}
-
-/// Writes a table with the columns of `keys` and [`QUANTITIES`].
-fn write(
-    writer: &mut dyn Write,
-    keys: &[&str],
-    rows: impl FnOnce(&mut csv::Writer<&mut dyn Write>) -> csv::Result<()>,
-) -> io::Result<()> {
-    let columns: Vec<&str> = keys.iter().chain(&QUANTITIES).copied().collect();
-    write_columns(writer, &columns, rows)
 }
 
 /// Writes a table with these columns.

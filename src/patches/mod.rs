@@ -6,6 +6,7 @@
 
 mod aggregate;
 mod basis;
+mod clusters;
 mod groups;
 mod sides;
 mod subdivide;
@@ -20,6 +21,7 @@ use crate::scene::{Scene, Side};
 use crate::trace::{Frame, Ray, Tracer, sampling};
 pub use aggregate::FaceRow;
 pub use basis::Basis;
+pub use clusters::Clusters;
 pub use groups::{Group, GroupBy, Groups};
 pub use sides::Reach;
 pub use subdivide::Barycentrics;

@@ -157,7 +157,7 @@ impl Finder<'_> {
         let used = if self.left_out.is_some() { BATCHES - 1 } else { BATCHES };
         let worth = areas[i] * BATCHES as f64 / used as f64;
         let mut of_lamps: Vec<_> =
-            row.lamp_shares.iter().filter(|s| Some(s.batch) != self.left_out).collect();
+            row.lamps.shares.iter().filter(|s| Some(s.batch) != self.left_out).collect();
         of_lamps.sort_unstable_by_key(|s| (s.slot, s.batch));
         let mut lamps: Vec<Part> = Vec::new();
         for run in of_lamps.chunk_by(|a, b| a.slot == b.slot) {

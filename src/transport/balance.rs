@@ -29,6 +29,9 @@ const CLOSED: f64 = 2e-14;
 /// What is closed only to be closed once more, together with the rest, may be off by this.
 const CLOSED_FOR_NOW: f64 = 1e-6;
 
+/// A row that lamps fill by more than this share has next to nothing else to share out.
+pub(super) const FLOODED: f64 = 0.95;
+
 /// Passes over the matrix after which a scaling that has not been found is held not to exist.
 const MOST_PASSES: usize = 2000;
 
@@ -123,9 +126,9 @@ pub(super) fn balance_around_lamps(
     let mut closing = Problem::new(storage, &to_others, areas.clone(), lamps.clone());
     let lamp_scale = closing.solve(&start, CLOSED_FOR_NOW, progress)?.scale;
 
-    // A row that lamps all but fill has next to nothing else to share out: there lamps and rays are scaled alike.
+    // Where lamps all but fill a row, lamps and rays are scaled alike.
     let from_lamps = storage.times(&lamp_scale);
-    let flooded: Vec<bool> = (0..n).map(|i| from_lamps[i] > 0.95 * areas[i]).collect();
+    let flooded: Vec<bool> = (0..n).map(|i| from_lamps[i] > FLOODED * areas[i]).collect();
     let left_alone = |i: usize| !is_lamp[i] && !flooded[i];
     let target = DVector::from_fn(n, |i, _| areas[i] - if left_alone(i) { from_lamps[i] } else { 0.0 });
     let escape_and_lamps =

@@ -68,17 +68,25 @@ impl TraceOptions<'_> {
         self.lamp_rays.unwrap_or(rays / 2).min(most).next_multiple_of(BATCHES)
     }
 
+    /// How rows of so many patches are traced.
+    pub(super) fn recipe(&self, patches: usize, tones: &Tones) -> Result<Recipe, TransportError> {
+        let rays = self.rays.unwrap_or(Self::usual_rays(patches));
+        self.check_rays(patches, rays, tones.len())?;
+        let rays = rays.next_multiple_of(BATCHES);
+        let count = RayCount { rays, lamp_rays: self.lamp_rays_for(rays) };
+        Ok(Recipe { count, seed: self.seed, basis: self.basis })
+    }
+
     /// Refuses what can't be done with so many patches, before any time is spent on it.
     ///
     /// # Errors
     /// `Rays` or `Memory`.
     pub fn check(&self, patches: usize) -> Result<(), TransportError> {
-        self.check_for(patches, 1)
+        self.check_rays(patches, self.rays.unwrap_or(Self::usual_rays(patches)), 1)
     }
 
-    /// The same for carriers of so many tones, each with a matrix of its own.
-    fn check_for(&self, patches: usize, tones: usize) -> Result<(), TransportError> {
-        let rays = self.rays.unwrap_or(Self::usual_rays(patches));
+    /// The same for so many rays, and for carriers of so many tones, each with a matrix of its own.
+    pub(super) fn check_rays(&self, patches: usize, rays: u32, tones: usize) -> Result<(), TransportError> {
         let most = BATCHES * sampling::SEQUENCE_END;
         if !(BATCHES..=most).contains(&rays) {
             return Err(TransportError::Rays { rays, most });
@@ -144,11 +152,8 @@ impl FormFactors {
         }
         let tones = Tones::of(tracer.scene());
         tones.check()?;
-        options.check_for(patches.len(), tones.len())?;
-        let rays = options.rays.unwrap_or(TraceOptions::usual_rays(patches.len())).next_multiple_of(BATCHES);
+        let recipe = options.recipe(patches.len(), &tones)?;
         options.progress.at("trace", 0.0)?;
-        let count = RayCount { rays, lamp_rays: options.lamp_rays_for(rays) };
-        let recipe = Recipe { count, seed: options.seed, basis: options.basis };
         let rows = Rows::trace(tracer, patches, (recipe, tones), options.progress)?;
         Ok(Self::balance(rows, patches, options.storage, options.keep, options.progress)?)
     }
@@ -193,6 +198,15 @@ impl FormFactors {
         self.tones.of_channel(channel)
     }
 
+    /// The form factors between groups of patches, each as one larger patch; see [`Exchange::merged`].
+    ///
+    /// # Panics
+    /// If there is not one group per coefficient, or one is `groups` or more.
+    pub fn merged(&self, group_of: &[usize], groups: usize) -> Self {
+        let exchanges = self.exchanges.iter().map(|exchange| exchange.merged(group_of, groups)).collect();
+        Self { exchanges, tones: self.tones.clone(), rays: self.rays, rows: None }
+    }
+
     /// Bytes that all exchange areas take.
     pub fn bytes(&self) -> u64 {
         self.exchanges.iter().map(Exchange::bytes).sum()
@@ -210,6 +224,11 @@ impl FormFactors {
     /// The rays, if they were kept.
     pub(super) fn rows(&self) -> Option<&Rows> {
         self.rows.as_ref()
+    }
+
+    /// The rays alone, if they were kept.
+    pub(super) fn into_rows(self) -> Option<Rows> {
+        self.rows
     }
 
     /// Rays per patch.

@@ -39,6 +39,18 @@ pub(super) struct LampShare {
     pub share: f32,
 }
 
+/// What a patch saw of lamps.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Look {
+    /// By batch, then lamp patch.
+    pub shares: Vec<LampShare>,
+    /// Each share once more, split by pairs of basis functions, first the receiver's; nothing for constant elements.
+    pub moments: Vec<[f32; 9]>,
+    /// By how much more than an eighth of all weight fell to each batch, relative to that, as far as shares are taken from pairs: where
+    /// the light of all lamps is known, so much more of a batch's share is chance.
+    pub excess: [f32; BATCHES as usize],
+}
+
 /// A ray or pair that shows a lamp.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen {
@@ -57,7 +69,7 @@ struct Pair {
     visible: bool,
 }
 
-/// The form factors from the facet of `slot` to lamps, whole and by pairs of basis functions where there is more than one a patch.
+/// The form factors from the facet of `slot` to lamps.
 /// `hits` are the rays that landed on lamps.
 pub(super) fn look_at_lamps(
     tracer: &Tracer,
@@ -66,7 +78,7 @@ pub(super) fn look_at_lamps(
     (slot, facet): (u32, Facet),
     hits: impl Iterator<Item = Seen>,
     Recipe { count, seed, basis }: Recipe,
-) -> (Vec<LampShare>, Vec<[f32; 9]>) {
+) -> Look {
     let share = (lamps.len() / LAMPS_AT_FULL).max(1);
     let points = (count.lamp_rays as usize / PAIRS_PER_POINT / share).max(FEWEST_POINTS) as u32;
     let (sequence, stretch) = Sequence::stretch(seed, POINT_STREAM, slot, 0, points);
@@ -117,7 +129,13 @@ pub(super) fn look_at_lamps(
     let worth = |p: &Pair| trust * scales[p.seen.batch as usize] * p.weight / m;
     let from_pairs = pairs.iter().filter(|p| p.visible).map(|p| (p.seen, worth(p)));
     let from_rays = hits.map(|seen| (seen, (1.0 - trust) / n));
-    merge(from_pairs.chain(from_rays), basis)
+    let (shares, moments) = merge(from_pairs.chain(from_rays), basis);
+    let total: f64 = bright.iter().sum();
+    let excess = match known {
+        Some(_) if total > 0.0 => bright.map(|b| (trust * (b * BATCHES as f64 / total - 1.0)) as f32),
+        _ => Default::default(),
+    };
+    Look { shares, moments, excess }
 }
 
 /// By what the pairs of each batch are multiplied, so that those of all batches together weigh `whole` and visible ones among

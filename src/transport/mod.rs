@@ -15,7 +15,9 @@ mod lamp_columns;
 mod lanczos;
 mod landing;
 mod mass;
+mod merged;
 mod moments;
+mod more_rays;
 mod operator;
 mod plan;
 mod rays;
@@ -26,6 +28,7 @@ mod sections;
 mod shrinkage;
 mod solvable;
 mod sources;
+mod spread;
 mod storage;
 mod tones;
 
@@ -42,6 +45,7 @@ pub use receivers::ReceiverRows;
 pub use saved::Reuse;
 pub use sections::FactorsFileError;
 pub use sources::{LightOptions, Sources};
+pub use spread::Spread;
 pub use storage::{Storage, StorageKind};
 
 use crate::patches::PatchError;

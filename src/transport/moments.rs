@@ -98,7 +98,7 @@ impl Finder<'_> {
     /// What light sampling, and rays by way of carriers, found of the patch's exchange with lamps.
     fn lamps_seen(&self, row: &Row, area: f64, carried: &[Landing]) -> Vec<(u32, [f64; 9])> {
         let worth = area * f64::from(BATCHES) / f64::from(self.used);
-        let mut shares: Vec<_> = row.lamp_shares.iter().zip(&row.lamp_moments).collect();
+        let mut shares: Vec<_> = row.lamps.shares.iter().zip(&row.lamps.moments).collect();
         shares.retain(|(share, _)| Some(share.batch) != self.left_out);
         shares.sort_unstable_by_key(|(share, _)| (share.slot, share.batch));
         let sum = |run: &[(_, &[f32; 9])], entry: usize| -> f64 {

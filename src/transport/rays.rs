@@ -8,7 +8,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::caustics::Caustics;
-use super::lamp_columns::{LampShare, Seen, look_at_lamps};
+use super::lamp_columns::{Look, Seen, look_at_lamps};
 use super::landing::{End, Spot};
 use super::recipe::{BATCHES, Recipe};
 use super::tones::{Survivors, Tones};
@@ -66,9 +66,7 @@ pub(super) struct Row {
     /// Where in these slots they landed; nothing for constant elements.
     pub spots: Vec<Spot>,
     /// What is known of its form factors to lamps. Lamps themselves know only their rays.
-    pub lamp_shares: Vec<LampShare>,
-    /// Each share once more, split by pairs of basis functions, first the receiver's; nothing for constant elements.
-    pub lamp_moments: Vec<[f32; 9]>,
+    pub lamps: Look,
 }
 
 impl Row {
@@ -205,7 +203,7 @@ fn trace_row(
             landings.push(end);
         }
     }
-    let mut row = Row { slot, landings, survivors, spots, lamp_shares: Vec::new(), lamp_moments: Vec::new() };
+    let mut row = Row { slot, landings, survivors, spots, lamps: Look::default() };
     look_for_lamps(tracer, patches, goals, &mut row, recipe);
     row
 }
@@ -249,8 +247,8 @@ pub(super) fn origins(slot: u32, recipe: Recipe) -> impl Iterator<Item = Spot> {
 
 /// Fills in what a row knows of lamps.
 fn look_for_lamps(tracer: &Tracer, patches: &Patches, goals: &Goals, row: &mut Row, recipe: Recipe) {
-    (row.lamp_shares, row.lamp_moments) = if goals.slots.is_empty() || goals.contain(row.slot) {
-        (Vec::new(), Vec::new())
+    row.lamps = if goals.slots.is_empty() || goals.contain(row.slot) {
+        Look::default()
     } else {
         // Light sampling sees what is straight ahead; hits by way of carriers are known from rays alone.
         let straight = |end: End| end.slot().filter(|&slot| !end.is_carried() && goals.contain(slot));

@@ -14,11 +14,11 @@ use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 use super::blocks::Blocks;
 use super::caustics::{Caustic, Caustics};
 use super::exchange::Exchange;
-use super::lamp_columns::LampShare;
+use super::lamp_columns::{LampShare, Look};
 use super::landing::Spot;
 use super::mass::Mass;
 use super::rays::{Row, Rows};
-use super::recipe::{RayCount, Recipe};
+use super::recipe::{BATCHES, RayCount, Recipe};
 use super::sections::{Content, FactorsFileError, Section, VERSION, ends_with_section, read_section};
 use super::storage::Storage;
 use super::tones::Tones;
@@ -147,14 +147,15 @@ fn rows_section(rows: &Rows) -> Section {
     let mut section = Section::default();
     let all = rows.all();
     section.some(&all.iter().map(|row| row.slot).collect::<Vec<_>>());
-    section.some(&all.iter().map(|row| row.lamp_shares.len() as u32).collect::<Vec<_>>());
+    section.some(&all.iter().map(|row| row.lamps.shares.len() as u32).collect::<Vec<_>>());
     for row in all {
         section.some(&row.landings);
         section.some(&row.survivors);
         section.some(&row.spots);
-        section.some(&row.lamp_shares.iter().map(|share| [share.slot, share.batch]).collect::<Vec<_>>());
-        section.some(&row.lamp_shares.iter().map(|share| share.share).collect::<Vec<_>>());
-        section.some(&row.lamp_moments);
+        section.some(&row.lamps.shares.iter().map(|share| [share.slot, share.batch]).collect::<Vec<_>>());
+        section.some(&row.lamps.shares.iter().map(|share| share.share).collect::<Vec<_>>());
+        section.some(&row.lamps.moments);
+        section.some(&row.lamps.excess);
     }
     let (shots, caustics) = rows.caustics.parts();
     section.one(shots);
@@ -277,9 +278,12 @@ impl Saved {
             let keys = from.some::<[u32; 2]>(shares)?;
             let values = from.some::<f32>(shares)?;
             let share = |([slot, batch], share): ([u32; 2], f32)| LampShare { slot, batch, share };
-            let lamp_shares = keys.into_iter().zip(values).map(share).collect();
-            let lamp_moments = from.some(more(shares))?;
-            rows.push(Row { slot, landings, survivors, spots, lamp_shares, lamp_moments });
+            let (kept, moments) =
+                (keys.into_iter().zip(values).map(share).collect(), from.some(more(shares))?);
+            let mut excess = [0.0; BATCHES as usize];
+            excess.copy_from_slice(&from.some::<f32>(BATCHES as usize)?);
+            let lamps = Look { shares: kept, moments, excess };
+            rows.push(Row { slot, landings, survivors, spots, lamps });
         }
         let caustics = Caustics::from_parts(from.one()?, from.list::<Caustic>()?);
         Ok(Rows::new((self.recipe, self.tones.clone()), self.lamp_faces.clone(), rows, caustics))

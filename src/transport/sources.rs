@@ -45,6 +45,9 @@ pub struct Sources {
     pub emitted: DMatrix<f64>,
     /// Irradiance H₀ by lights without area and the sky, W·m⁻²; none where a scene has none.
     pub direct: Option<DMatrix<f64>>,
+    /// By how much more H₀ each eighth of the rays towards lights would have found by itself: eight samples of its noise, N × c, W·m⁻²; none
+    /// where there are no such lights.
+    pub spread: Vec<DMatrix<f64>>,
 }
 
 impl Sources {
@@ -59,11 +62,12 @@ impl Sources {
         options: &LightOptions,
     ) -> Result<Self, Cancelled> {
         let emitted = basis.coefficients_of(&patches.sources());
-        let Some(lights) = Lights::new(tracer) else { return Ok(Self { emitted, direct: None }) };
+        let Some(lights) = Lights::new(tracer) else { return Ok(emitted.into()) };
         let rays = options.rays.clamp(1, sampling::SEQUENCE_END);
         let channels = emitted.ncols();
         let look = Look { tracer, patches, lights, rays, seed: options.seed, channels };
-        let each = basis.coefficients() * channels;
+        // All rays together, then each part of them by itself.
+        let each = (1 + PARTS) * basis.coefficients() * channels;
         let mut moments = vec![0.0; each * patches.len()];
         for (chunk, rows) in moments.chunks_mut(CHUNK * each).enumerate() {
             options.progress.at("light", (chunk * CHUNK) as f64 / patches.len() as f64)?;
@@ -73,9 +77,16 @@ impl Sources {
             });
         }
         options.progress.at("light", 1.0)?;
-        let mut direct = DMatrix::from_row_slice(emitted.nrows(), channels, &moments);
-        Mass::new(basis, patches.areas()).solve(&mut direct, 1.0);
-        Ok(Self { emitted, direct: Some(direct) })
+        let mass = Mass::new(basis, patches.areas());
+        let mut fields = (0..=PARTS).map(|part| {
+            let coefficients = moments.chunks_exact(each / (1 + PARTS)).skip(part).step_by(1 + PARTS);
+            let mut field =
+                DMatrix::from_row_iterator(emitted.nrows(), channels, coefficients.flatten().copied());
+            mass.solve(&mut field, 1.0);
+            field
+        });
+        let direct = fields.next();
+        Ok(Self { direct, spread: fields.collect(), emitted })
     }
 
     /// The right-hand side E = Lₑ + ρH₀/π, N × c.
@@ -100,7 +111,45 @@ impl Sources {
 impl From<DMatrix<f64>> for Sources {
     /// Emitted radiance (N × c) alone.
     fn from(emitted: DMatrix<f64>) -> Self {
-        Self { emitted, direct: None }
+        Self { emitted, direct: None, spread: Vec::new() }
+    }
+}
+
+/// Parts of the rays by which their noise is told.
+const PARTS: usize = 8;
+
+/// What rays towards one light find in one channel, part by part.
+#[derive(Clone)]
+struct Parts<const N: usize> {
+    /// What they would bring if nothing stood in their way.
+    whole: [f64; PARTS],
+    /// What they do bring, by basis function.
+    seen: [[f64; N]; PARTS],
+}
+
+impl<const N: usize> Default for Parts<N> {
+    fn default() -> Self {
+        Self { whole: [0.0; PARTS], seen: [[0.0; N]; PARTS] }
+    }
+}
+
+impl<const N: usize> Parts<N> {
+    #[inline]
+    fn add(&mut self, part: usize, weight: f64, phi: [f64; N]) {
+        self.seen[part].iter_mut().zip(phi).for_each(|(sum, phi)| *sum += weight * phi);
+    }
+
+    /// What all bring; then by how much more each part would bring in the place of all, where a part of more weight is not taken for one that
+    /// sees more.
+    fn sums(&self) -> [[f64; N]; 1 + PARTS] {
+        let all: [f64; N] = std::array::from_fn(|a| self.seen.iter().map(|seen| seen[a]).sum());
+        let whole: f64 = self.whole.iter().sum();
+        let parts = PARTS as f64;
+        let more = |part: usize, a: usize| {
+            let share = if whole > 0.0 { self.whole[part] / whole } else { 0.0 };
+            parts * (self.seen[part][a] - share * all[a])
+        };
+        std::array::from_fn(|k| if k == 0 { all } else { std::array::from_fn(|a| more(k - 1, a)) })
     }
 }
 
@@ -115,7 +164,8 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Adds ∫ φ_a H₀ dA over a patch to `moments`, a row of channels for each of the basis functions `phi`.
+    /// Adds ∫ φ_a H₀ dA over a patch to `moments`, a row of channels for each of the basis functions `phi`; and after that, for each part of
+    /// the rays, by how much more it finds.
     fn add_moments<const N: usize>(
         &self,
         patch: usize,
@@ -126,16 +176,14 @@ impl Look<'_> {
         let facet = self.patches.facet(self.tracer, slot);
         let [a, b, c] = facet.corners;
         let area = self.patches.areas()[patch];
-        // What thin glass leaves of a ray, and sums over rays, per channel.
-        let mut parts = vec![1.0; self.channels];
-        let mut seen = vec![[0.0; N]; self.channels];
-        let mut add = |seen: &mut Vec<[f64; N]>, scale: f64, power: &[f64]| {
-            for (a, row) in moments.chunks_exact_mut(self.channels).enumerate() {
-                for (c, moment) in row.iter_mut().enumerate() {
-                    *moment += area * scale * seen[c][a] * power[c];
+        // What thin glass leaves of a ray, per channel.
+        let mut left = vec![1.0; self.channels];
+        let mut add = |seen: &[Parts<N>], scale: f64, power: &[f64]| {
+            for (c, seen) in seen.iter().enumerate() {
+                for (row, sum) in moments.chunks_exact_mut(self.channels).zip(seen.sums().as_flattened()) {
+                    row[c] += area * scale * sum * power[c];
                 }
             }
-            seen.fill([0.0; N]);
         };
         for light in 0..self.lights.len() {
             let mean = self.lights.mean_density(light, &facet.corners, facet.normal);
@@ -146,7 +194,8 @@ impl Look<'_> {
             let rays = self.rays.div_ceil(4);
             let stream = STREAM + ((light as u64) << 32);
             let (sequence, points) = sampling::Sequence::stretch(self.seed, stream, slot, 0, rays);
-            let mut whole = 0.0;
+            let mut seen = vec![Parts::<N>::default(); self.channels];
+            let first = points.start;
             for k in points {
                 let [s, t, u, v] = sequence.point(k);
                 let [s, t] = sampling::uniform_triangle([s, t]);
@@ -156,42 +205,47 @@ impl Look<'_> {
                 if !(weight > 0.0 && weight.is_finite()) {
                     continue;
                 }
-                whole += weight;
-                parts.fill(1.0);
+                let part = ((k - first) as usize * PARTS) / rays as usize;
+                seen.iter_mut().for_each(|seen| seen.whole[part] += weight);
+                left.fill(1.0);
                 let place = (point, facet.face);
-                if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, place, &mut parts) {
-                    add_sample(&mut seen, &parts, weight * beam.share, phi([s, t]));
+                if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, place, &mut left) {
+                    for (seen, left) in seen.iter_mut().zip(&left) {
+                        seen.add(part, weight * beam.share * left, phi([s, t]));
+                    }
                 }
             }
+            let whole: f64 = seen[0].whole.iter().sum();
             // Scale to what is known of all rays together.
             let scale = match mean {
                 Some(mean) if whole > 0.0 => mean / whole,
                 Some(_) => 0.0,
-                None => 1.0 / f64::from(rays),
+                None => {
+                    seen.iter_mut().for_each(|seen| seen.whole = [1.0; PARTS]);
+                    1.0 / f64::from(rays)
+                }
             };
-            add(&mut seen, scale, self.lights.power(light));
+            add(&seen, scale, self.lights.power(light));
         }
         if let Some(sky) = self.lights.sky() {
             let (sequence, points) = sampling::Sequence::stretch(self.seed, SKY_STREAM, slot, 0, self.rays);
+            let even = Parts::<N> { whole: [1.0; PARTS], ..Default::default() };
+            let mut seen = vec![even; self.channels];
+            let first = points.start;
             for k in points {
                 let [s, t, u, v] = sequence.point(k);
                 let [s, t] = sampling::uniform_triangle([s, t]);
                 let (direction, weight) = sky.sample(facet.normal, [u, v]);
                 let ray = Ray { origin: a + (b - a) * s + (c - a) * t, direction, from: facet.face };
-                parts.fill(1.0);
-                if weight > 0.0 && self.tracer.passes(&ray, f64::INFINITY, &mut parts) {
-                    add_sample(&mut seen, &parts, weight, phi([s, t]));
+                left.fill(1.0);
+                if weight > 0.0 && self.tracer.passes(&ray, f64::INFINITY, &mut left) {
+                    let part = ((k - first) as usize * PARTS) / self.rays as usize;
+                    for (seen, left) in seen.iter_mut().zip(&left) {
+                        seen.add(part, weight * left, phi([s, t]));
+                    }
                 }
             }
-            add(&mut seen, 1.0 / f64::from(self.rays), sky.zenith());
+            add(&seen, 1.0 / f64::from(self.rays), sky.zenith());
         }
-    }
-}
-
-/// Adds what a ray brings to the sums of each channel and basis function.
-#[inline]
-fn add_sample<const N: usize>(seen: &mut [[f64; N]], parts: &[f64], weight: f64, phi: [f64; N]) {
-    for (sums, part) in seen.iter_mut().zip(parts) {
-        sums.iter_mut().zip(phi).for_each(|(sum, phi)| *sum += weight * phi * part);
     }
 }

@@ -8,7 +8,7 @@ use radiosity::measure::{Budget, Energy, PathOptions, PathTracer, ReferenceRow, 
 use radiosity::output::{RenderOptions, Shading, render};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
-use radiosity::scene::{Camera, Material, Scene, Side};
+use radiosity::scene::{Camera, Material, Scene};
 use radiosity::solve::{self, DirectOptions, SolveOptions};
 use radiosity::trace::{Destination, Ray, Tracer};
 use radiosity::transport::{
@@ -150,20 +150,9 @@ fn distance_to_walls(origin: DVec3, direction: DVec3) -> f64 {
 }
 
 fn table(name: &str, scene: &Scene) -> Vec<ReferenceRow> {
-    let text =
-        std::fs::read_to_string(format!("{}/tests/data/{name}.csv", env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let row = |line: &str| {
-        let fields: Vec<&str> = line.split(',').collect();
-        let numbers: Vec<f64> = fields[3..].iter().map(|field| field.parse().unwrap()).collect();
-        let side = if fields[1] == "front" { Side::Front } else { Side::Back };
-        ReferenceRow {
-            face: fields[0].parse().unwrap(),
-            side,
-            mean: numbers[..3].to_vec(),
-            standard_error: numbers[3..].to_vec(),
-        }
-    };
-    text.lines().skip(1).map(row).filter(|row| scene.is_diffuse(row.face)).collect()
+    let path = format!("{}/tests/data/{name}.csv", env!("CARGO_MANIFEST_DIR"));
+    let rows = ReferenceRow::read(path).unwrap();
+    rows.into_iter().filter(|row| scene.is_diffuse(row.face)).collect()
 }
 
 /// Relative RMS error of irradiance on the faces of some object, or on all, at default settings.

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
 use radiosity::measure::{Energy, ReferenceRow, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
-use radiosity::scene::{Material, Scene, SceneParts, Side};
+use radiosity::scene::{Material, Scene, SceneParts};
 use radiosity::solve::{
     self, Certainty, CgOptions, DirectOptions, Method, NeumannOptions, Solution, SolveOptions,
 };
@@ -335,16 +335,7 @@ fn the_cornell_box_agrees_with_an_independent_path_tracer() {
     let k = Transport::of(&factors, &patches).unwrap();
     let solution = solve::conjugate_gradients(&k, &patches.sources(), &CgOptions::default()).unwrap();
     let faces = patches.average_by_face(&solution.irradiance);
-    let mut table = csv::Reader::from_path(format!("{folder}cornell.csv")).unwrap();
-    let reference: Vec<ReferenceRow> = table
-        .records()
-        .map(|row| {
-            let row = row.unwrap();
-            let number = |k: usize| row[k].parse::<f64>().unwrap();
-            let (mean, standard_error) = ((3..6).map(number).collect(), (6..9).map(number).collect());
-            ReferenceRow { face: number(0) as usize, side: Side::Front, mean, standard_error }
-        })
-        .collect();
+    let reference = ReferenceRow::read(format!("{folder}cornell.csv")).unwrap();
     let rms = RelativeRms::of(&faces, &reference);
     assert!(rms.compared == 3 * 38 && rms.value < 0.005, "{rms:?}");
 }

@@ -30,14 +30,7 @@ fn irradiance(patches: &Patches, factors: &FormFactors) -> DMatrix<f64> {
 }
 
 fn reference(name: &str) -> Vec<ReferenceRow> {
-    let path = format!("{}/tests/data/{name}.csv", env!("CARGO_MANIFEST_DIR"));
-    let row = |row: csv::StringRecord| {
-        let number = |k: usize| row[k].parse::<f64>().unwrap();
-        let side = if &row[1] == "front" { Side::Front } else { Side::Back };
-        let (mean, standard_error) = ((3..6).map(number).collect(), (6..9).map(number).collect());
-        ReferenceRow { face: number(0) as usize, side, mean, standard_error }
-    };
-    csv::Reader::from_path(path).unwrap().records().map(|record| row(record.unwrap())).collect()
+    ReferenceRow::read(format!("{}/tests/data/{name}.csv", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
 #[test]

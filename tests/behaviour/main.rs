@@ -4,6 +4,7 @@ mod carriers; // mirrors and glass: closed forms, another renderer, bad input, p
 mod coloured_carriers; // mirrors, metals and glass by channel: light paths, energy, saved form factors, receivers
 mod commands; // what the program writes, prints and answers
 mod comparison; // the verdict on right solvers and on wrong ones
+mod error_bars; // what an answer says of its own error, held against what the error is
 mod files; // what scene files mean, and how bad ones are refused
 mod form_factor_files; // form factors as CSV, Matrix Market and NumPy files, and the command that writes them
 mod form_factors; // closed forms, judged by standard errors

@@ -53,18 +53,7 @@ fn three_sigma(count: usize) -> f64 {
 
 /// Rows of an independent renderer's table.
 fn table(path: &str) -> Vec<ReferenceRow> {
-    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap();
-    let row = |line: &str| {
-        let fields: Vec<&str> = line.split(',').collect();
-        let numbers: Vec<f64> = fields[3..].iter().map(|field| field.parse().unwrap()).collect();
-        ReferenceRow {
-            face: fields[0].parse().unwrap(),
-            side: Side::Front,
-            mean: numbers[..3].to_vec(),
-            standard_error: numbers[3..].to_vec(),
-        }
-    };
-    text.lines().skip(1).map(row).collect()
+    ReferenceRow::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
 }
 
 /// Traces every face of a scene to a standard error, and judges those known to 5 % against another renderer's table, channel by channel.

@@ -12,7 +12,7 @@ use radiosity::output::{
 use radiosity::scene::Scene;
 use radiosity::solve::{self, Amplification, Certainty, Report, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Sources, Transport};
+use radiosity::transport::{Keep, Sources, Transport};
 
 use crate::args::{self, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -96,7 +96,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("build", 0.0)?;
     let began = Instant::now();
     let tracer = Tracer::new(&scene);
-    let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
+    let (patches, factors) = args.factors.obtain(&tracer, &args.run, Keep::Nothing, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
     let sources = Sources::trace(&tracer, &patches, basis, &args.factors.light(&args.run, progress))?;

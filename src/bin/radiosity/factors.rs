@@ -48,15 +48,16 @@ impl FactorsArgs {
         self.accuracy.light(run, progress)
     }
 
-    /// Cuts the scene and finds the form factors between its patches.
+    /// Cuts the scene and finds the form factors between its patches, with or without their rays.
     pub fn obtain<'s>(
         &self,
         tracer: &Tracer<'s>,
         run: &RunArgs,
+        keep: Keep,
         terminal: &Terminal,
     ) -> Result<(Patches<'s>, FormFactors), Failure> {
         let progress = terminal.progress();
-        let keep = if self.save_factors.is_some() { Keep::Rays } else { Keep::Nothing };
+        let keep = if self.save_factors.is_some() { Keep::Rays } else { keep };
         let (tessellation, trace) = self.options(run, progress);
         let trace = TraceOptions { keep, ..trace };
         let (patches, factors) = match &self.factors {

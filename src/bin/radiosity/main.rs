@@ -1,5 +1,6 @@
 //! The command-line program: translates arguments, calls the library, prints.
 
+mod accuracy;
 mod args;
 mod check;
 mod compare;

@@ -3,7 +3,7 @@
 use radiosity::output;
 use radiosity::solve;
 use radiosity::trace::Tracer;
-use radiosity::transport::{Sources, Transport};
+use radiosity::transport::{Keep, Sources, Transport};
 
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -32,7 +32,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     terminal.warn_of(&scene);
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
-    let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
+    let (patches, factors) = args.factors.obtain(&tracer, &args.run, Keep::Nothing, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
     let sources = Sources::trace(&tracer, &patches, basis, &args.factors.light(&args.run, progress))?;

@@ -1,14 +1,15 @@
 //! `radiosity solve`: the main job.
 
-use radiosity::measure::{Energy, Undershoot};
+use radiosity::measure::{Energy, ErrorBars, Undershoot};
 use radiosity::output::{
     self, EnergySummary, Illuminance, PlanEntry, RenderOptions, SeriesSummary, Shading, Summary,
 };
 use radiosity::patches::Basis;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, Plan, ReceiverRows, Sources, Transport};
+use radiosity::transport::{FormFactors, LightOptions, Plan, ReceiverRows, Sources, Transport};
 
+use crate::accuracy::{self, GoalArgs};
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
 use crate::terminal::{Failure, Terminal};
@@ -17,6 +18,8 @@ use crate::terminal::{Failure, Terminal};
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
+    goal: GoalArgs,
     #[command(flatten)]
     factors: FactorsArgs,
     #[command(flatten)]
@@ -50,10 +53,14 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
 
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
-    let (patches, factors) = args.factors.obtain(&tracer, &args.run, terminal)?;
+    let (patches, factors, steps) = args.goal.obtain(&args.factors, &tracer, &args.run, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
-    let sources = Sources::trace(&tracer, &patches, basis, &args.factors.light(&args.run, progress))?;
+    let light = match steps.is_empty() {
+        true => args.factors.light(&args.run, progress),
+        false => LightOptions { rays: factors.rays(), seed: args.run.seed, progress },
+    };
+    let sources = Sources::trace(&tracer, &patches, basis, &light)?;
     let e = sources.right_hand_side(&k);
     // All lamps together, then each group of lamps by itself: one factorization serves them all.
     let groups = if args.lamp_groups { patches.sources_by_material() } else { Vec::new() };
@@ -61,7 +68,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         groups.iter().map(|g| basis.coefficients_of(&g.sources).into()).collect();
     let mut names: Vec<&str> = groups.iter().map(|g| g.material.as_str()).collect();
     if args.lamp_groups && sources.direct.is_some() {
-        of_groups.push(Sources { emitted: 0.0 * &sources.emitted, direct: sources.direct.clone() });
+        of_groups.push(Sources { emitted: 0.0 * &sources.emitted, ..sources.clone() });
         names.push(LIGHTS);
     }
     let by_group: Vec<_> = of_groups.iter().map(|group| group.right_hand_side(&k)).collect();
@@ -77,7 +84,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (order, tolerance) = (args.solver.order, args.solver.tolerance);
     let series = solve::neumann(&k, &e, &NeumannOptions { order, tolerance, amplification, progress })?;
 
-    let light = args.factors.light(&args.run, progress);
+    let whole = solution.clone().under(&sources);
+    let bars = ErrorBars::of(&patches, &factors, &sources, &whole, progress)?;
+
     let mut received = Vec::new();
     for receiver in scene.receivers() {
         let rows = ReceiverRows::trace(&tracer, &patches, basis, receiver, &light)?;
@@ -87,7 +96,6 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let camera = args::camera(&tracer, &patches);
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
     args::warn_if_black(&picture, terminal);
-    let whole = solution.clone().under(&sources);
     // Illuminance is shown from patches and corners, however light is.
     let shading = if look.shading == Shading::Flat { Shading::Flat } else { Shading::Smooth };
     let look = RenderOptions { shading, ..look };
@@ -102,8 +110,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     // Tables have the means over patches.
     let means = whole.means(basis);
     let (irradiance, radiance) = (&means.irradiance, &means.radiance);
-    outputs.file("faces.csv", |file| output::write_faces(file, &patches, irradiance, radiance))?;
-    outputs.file("patches.csv", |file| output::write_patches(file, &patches, irradiance, radiance))?;
+    outputs.file("faces.csv", |file| output::write_faces(file, &patches, irradiance, radiance, &bars))?;
+    outputs.file("patches.csv", |file| output::write_patches(file, &patches, irradiance, radiance, &bars))?;
     outputs
         .file("mesh.ply", |file| output::write_ply(file, &tracer, &patches, &solution.radiance, exposure))?;
     let received: Vec<_> = received.iter().map(|(receiver, h)| (*receiver, h)).collect();
@@ -146,7 +154,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         closure: *factors.exchange().closure(),
         photometry,
         undershoot: Undershoot::of(k.mass(), &solution.radiance),
-        error: None,
+        error: bars.budget.clone(),
+        steps,
         warnings: scene.warnings().to_vec(),
     };
     outputs.file("solution.json", |file| output::write_summary(file, &summary))?;
@@ -215,6 +224,10 @@ fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
             format!("shrinkage     what varies within patches by {kept:.3}, for rays are too few for more"),
         );
     }
+    // What a better answer would cost does not depend on pictures and files.
+    let stages = summary.stages.iter().filter(|s| !["load", "build", "render", "write"].contains(&s.name));
+    let answering: f64 = stages.map(|stage| stage.seconds).sum();
+    lines.insert(1, format!("error         {}", accuracy::error_line(&summary.error, answering)));
     let told = |order: usize| order <= 5 || order.is_multiple_of(10) || order == series.order;
     lines.extend(series.bounces.iter().filter(|bounce| told(bounce.order)).map(|bounce| {
         let flux = triple(bounce.flux);

@@ -1,20 +1,7 @@
 //! Faces: how far an answer is from one that another program found for the same faces.
 
+use super::ReferenceRow;
 use crate::patches::FaceRow;
-use crate::scene::Side;
-
-/// The irradiance of a face's side by other means, such as a path tracer.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReferenceRow {
-    /// The face's number.
-    pub face: usize,
-    /// Front or back.
-    pub side: Side,
-    /// Mean per channel, W·m⁻².
-    pub mean: Vec<f64>,
-    /// Its standard error per channel.
-    pub standard_error: Vec<f64>,
-}
 
 /// How far an answer is from a reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +42,7 @@ impl RelativeRms {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Side;
 
     #[test]
     fn noise_is_taken_off_and_noisy_values_are_left_out() {

@@ -4,14 +4,16 @@ mod difference;
 mod faces;
 mod mesh_error;
 mod orders;
+mod reference;
 mod verdict;
 
 use nalgebra::DMatrix;
 
 pub use difference::{Difference, Worst};
-pub use faces::{ReferenceRow, RelativeRms};
+pub use faces::RelativeRms;
 pub use mesh_error::MeshError;
 pub use orders::{OrderOptions, OrderRow};
+pub use reference::{ReferenceError, ReferenceRow};
 pub use verdict::{Agreement, Reason};
 
 use super::PathTraced;

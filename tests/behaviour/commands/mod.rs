@@ -18,10 +18,8 @@ const SMALL: [&str; 6] = ["--patches", "200", "--rays", "64", "--size", "80x60"]
 /// What `solve` writes.
 const RESULTS: [&str; 5] = ["faces.csv", "image.png", "mesh.ply", "patches.csv", "solution.json"];
 
-const FACES: &str =
-    "face,side,object,material,area,irradiance_r,irradiance_g,irradiance_b,radiance_r,radiance_g,radiance_b";
-const PATCHES: &str =
-    "patch,face,side,cx,cy,cz,area,irradiance_r,irradiance_g,irradiance_b,radiance_r,radiance_g,radiance_b";
+const FACES: &str = "face,side,object,material,area,irradiance_r,irradiance_g,irradiance_b,radiance_r,radiance_g,radiance_b,error_r,error_g,error_b";
+const PATCHES: &str = "patch,face,side,cx,cy,cz,area,irradiance_r,irradiance_g,irradiance_b,radiance_r,radiance_g,radiance_b,error_r,error_g,error_b";
 
 /// Names that stages may have.
 const STAGES: [&str; 10] =
@@ -306,7 +304,16 @@ fn the_summary_has_the_keys_that_scripts_rely_on() {
         assert_eq!(channels.len(), 3, "{term}");
     }
     numbers(&solution["energy"], &["imbalance"]);
-    assert!(solution.get("error").is_some_and(Value::is_null), "no error bars yet");
+    numbers(&solution["error"], &["relative_rms", "upper95"]);
+    let parts = solution["error"]["parts"].as_array().expect("a list");
+    assert_eq!(parts.len(), 5);
+    for part in parts {
+        numbers(part, &["value"]);
+        assert!(
+            part["name"].is_string()
+                && ["guaranteed", "estimated"].contains(&part["kind"].as_str().expect("a word"))
+        );
+    }
 }
 
 #[test]

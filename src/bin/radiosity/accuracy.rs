@@ -1,0 +1,162 @@
+//! Accuracy: how much error is asked for, what was done for it, and how wrong the answer is.
+
+use radiosity::measure::{
+    self, AccuracyStep, Accurate, Ending, ErrorBudget, ErrorPart, Goal, Resource, Tolerated,
+};
+use radiosity::patches::Patches;
+use radiosity::trace::Tracer;
+use radiosity::transport::{FormFactors, Keep};
+
+use crate::args::{self, RunArgs};
+use crate::factors::FactorsArgs;
+use crate::terminal::{Failure, Terminal};
+
+/// What to stop at.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Accuracy")]
+pub struct GoalArgs {
+    /// Choose patches and rays such that irradiance by face errs no more than this, in 95 cases of 100: 1%, or 0.2W/m2, or 5lx (relative, or
+    /// absolute, root mean square over faces)
+    #[arg(
+        long,
+        value_name = "ERROR",
+        value_parser = wanted,
+        conflicts_with_all = ["patches", "edge", "rays", "factors", "save_factors"]
+    )]
+    accuracy: Option<Wanted>,
+
+    /// Choose patches and rays such that the whole run takes about so long, such as 10s or 2min; with --accuracy, at most so long
+    #[arg(
+        long,
+        value_name = "TIME",
+        value_parser = time,
+        conflicts_with_all = ["patches", "edge", "rays", "factors", "save_factors"]
+    )]
+    time: Option<f64>,
+}
+
+/// An error in one of three units.
+#[derive(Clone, Copy, Debug)]
+enum Wanted {
+    Share(f64),
+    Irradiance(f64),
+    Illuminance(f64),
+}
+
+impl GoalArgs {
+    /// Cuts and traces as the goal asks for, if there is one; else as the other arguments do.
+    pub fn obtain<'s>(
+        &self,
+        factors: &FactorsArgs,
+        tracer: &Tracer<'s>,
+        run: &RunArgs,
+        terminal: &Terminal,
+    ) -> Result<(Patches<'s>, FormFactors, Vec<AccuracyStep>), Failure> {
+        if self.accuracy.is_none() && self.time.is_none() {
+            let (patches, factors) = factors.obtain(tracer, run, Keep::Rays, terminal)?;
+            return Ok((patches, factors, Vec::new()));
+        }
+        let efficacy = tracer.scene().efficacy();
+        let error = self.accuracy.map(|wanted| match wanted {
+            Wanted::Share(share) => Tolerated::Relative(share),
+            Wanted::Irradiance(h) => Tolerated::Irradiance(h),
+            Wanted::Illuminance(lux) => Tolerated::Irradiance(lux / efficacy),
+        });
+        let goal = Goal { error, seconds: self.time };
+        let (tessellation, trace) = factors.options(run, terminal.progress());
+        let Accurate { patches, factors, steps, ending } =
+            measure::reach(tracer, goal, &tessellation, &trace)?;
+        terminal.takes(factors.exchange().bytes());
+        terminal.say(told(&steps))?;
+        if let Ending::Short { of, needed, seconds } = ending {
+            terminal.warn(shortfall(of, needed, seconds));
+        }
+        Ok((patches, factors, steps))
+    }
+}
+
+/// A table of steps.
+fn told(steps: &[AccuracyStep]) -> String {
+    let mut text = String::from("  step  patches  rays  seconds   error up to   (mesh, noise)\n");
+    for (k, step) in steps.iter().enumerate() {
+        let [upper, mesh, noise] = [step.upper95, step.mesh, step.noise].map(percent);
+        text += &format!(
+            "  {:>4}  {:>7}  {:>4}  {:>7.2}  {upper:>10} %   ({mesh} %, {noise} %)\n",
+            k + 1,
+            step.patches,
+            step.rays,
+            step.seconds
+        );
+    }
+    text
+}
+
+fn shortfall(of: Resource, needed: measure::Setting, seconds: f64) -> String {
+    let what = match of {
+        Resource::Time => "the time was too short for the accuracy that was asked for",
+        Resource::Memory => "the memory is too small for the accuracy that was asked for",
+        Resource::Effect => "the accuracy that was asked for was not reached in so many steps",
+    };
+    if seconds.is_finite() {
+        format!(
+            "{what}; this is the best answer there is. It would take about {:.0} patches with {:.0} rays each, {}",
+            needed.patches,
+            needed.rays,
+            duration(seconds)
+        )
+    } else {
+        format!(
+            "{what}; this is the best answer there is, and no number of patches and rays within reach would do"
+        )
+    }
+}
+
+/// How wrong the answer is, and what would help: the line that matters.
+pub fn error_line(budget: &ErrorBudget, seconds: f64) -> String {
+    let noise = budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS));
+    let mesh = budget.part(ErrorPart::MESH);
+    // With four times the patches each face has four times the rays too.
+    let remedy = if mesh > noise {
+        format!("mostly mesh; 4 × the patches would about halve it, in {}", duration(4.0 * seconds))
+    } else {
+        format!("mostly noise; 4 × the rays would about halve it, in {}", duration(4.0 * seconds))
+    };
+    format!("± {} % by face (95 %), {remedy}", percent(budget.upper95))
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 10.0 => format!("{s:.1} s"),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.0} h", s / 3600.0),
+    }
+}
+
+/// A share in percent with two digits.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    let digits = if percent > 0.0 { (1.0 - percent.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
+    format!("{percent:.digits$}")
+}
+
+fn wanted(text: &str) -> Result<Wanted, String> {
+    let absolute =
+        |unit: &str| text.strip_suffix(unit).and_then(|number| args::positive_length(number.trim()).ok());
+    if let Some(h) = absolute("W/m2").or_else(|| absolute("W/m²")) {
+        Ok(Wanted::Irradiance(h))
+    } else if let Some(lux) = absolute("lx") {
+        Ok(Wanted::Illuminance(lux))
+    } else {
+        args::share(text).map(Wanted::Share).map_err(|_| "write it as 1%, 0.01, 0.2W/m2 or 5lx".into())
+    }
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    let (number, unit) = if let Some(number) = text.strip_suffix("min") {
+        (number, 60.0)
+    } else {
+        (text.strip_suffix('s').unwrap_or(text), 1.0)
+    };
+    args::positive_length(number.trim()).map(|x| x * unit).map_err(|_| "write it as 10s or 2min".into())
+}

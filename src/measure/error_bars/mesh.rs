@@ -1,0 +1,60 @@
+//! Mesh error: what the size of patches does to the answer, told from what larger ones would have done.
+//!
+//! Four patches at a time are merged, and the scene is solved with what the larger patches exchange: no new rays, and the noise of those that
+//! there are is in both answers. Where error falls in proportion to the edge, and errors on the two cuts are not alike in sign, as along the edges of
+//! shadows, the change is √5 times the error that is left; where they are alike, as around corners, no more than twice.
+
+use nalgebra::DMatrix;
+
+use crate::measure::MeasureError;
+use crate::patches::{Basis, Clusters, Patches};
+use crate::solve::{CgOptions, conjugate_gradients};
+use crate::transport::{FormFactors, Sources, Transport};
+
+/// What is left as error of the change that coarser elements make, as a root mean square over faces; and how many patches are taken together for
+/// them. Constant elements are held against those of twice the edge: 1/√5, for errors in proportion to the edge that are not alike in sign.
+/// Linear ones are held against constant ones on the same patches, which err about three times as much.
+fn coarser(basis: Basis) -> (f64, f64) {
+    match basis {
+        Basis::Constant => (0.55, 4.0),
+        Basis::Linear => (0.4, 1.0),
+    }
+}
+
+/// How far irradiance per patch (n × c, W·m⁻²) may be off, with the sign in which coarser elements change it.
+pub(super) fn mesh_error(
+    patches: &Patches,
+    factors: &FormFactors,
+    sources: &Sources,
+    irradiance: &DMatrix<f64>,
+) -> Result<DMatrix<f64>, MeasureError> {
+    let (remains, together) = coarser(factors.basis());
+    let clusters = patches.clusters(together);
+    let on_clusters = solved_on(patches, &clusters, factors, sources)?;
+    let change = patches.average_by(&clusters, irradiance) - on_clusters;
+    Ok(patches.spread_over(&clusters, &(remains * change)))
+}
+
+/// Irradiance per cluster of the scene solved with constant light on clusters.
+fn solved_on(
+    patches: &Patches,
+    clusters: &Clusters,
+    factors: &FormFactors,
+    sources: &Sources,
+) -> Result<DMatrix<f64>, MeasureError> {
+    let basis = factors.basis();
+    let each = basis.coefficients();
+    let of_coefficient: Vec<usize> =
+        clusters.of_patch.iter().flat_map(|&cluster| std::iter::repeat_n(cluster, each)).collect();
+    let merged = factors.merged(&of_coefficient, clusters.count);
+    let mean = |field: &DMatrix<f64>| patches.average_by(clusters, field);
+    let k = Transport::new(&merged, mean(&patches.reflectances()))?;
+    let sources = Sources {
+        emitted: mean(&basis.means(&sources.emitted)),
+        direct: sources.direct.as_ref().map(|direct| mean(&basis.means(direct))),
+        spread: Vec::new(),
+    };
+    let options = CgOptions { tolerance: 1e-5, ..Default::default() };
+    let solution = conjugate_gradients(&k, &sources.right_hand_side(&k), &options)?.under(&sources);
+    Ok(solution.irradiance)
+}

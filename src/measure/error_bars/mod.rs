@@ -1,0 +1,190 @@
+//! Error bars: how wrong an answer may be, told from the answer itself, and where its error comes from.
+//!
+//! Nothing is traced anew. The batches of rays tell the noise of form factors and of light sampling; larger patches, merged from those that there
+//! are, tell what the size of patches does; the solver knows its residual. The first two are *estimated*: they rest on what errors usually
+//! do. The last is *guaranteed* for the operator at hand.
+
+mod mesh;
+mod noise;
+
+use nalgebra::DMatrix;
+use serde::Serialize;
+
+use super::MeasureError;
+use crate::patches::{FaceRow, Patches};
+use crate::progress::Progress;
+use crate::solve::{Certainty, Report, Solution};
+use crate::transport::{FormFactors, Sources};
+use noise::Noise;
+
+/// How much more than estimated the mesh error may be, in nineteen of twenty cases.
+pub(super) const MESH_AT_MOST: f64 = 2.0;
+
+/// So much of the scene's relative mesh error every patch and face has: its own may vanish by chance.
+const COMMON: f64 = 0.7;
+
+/// Student's t for 95 % of one side and 7 degrees of freedom.
+const STUDENT: f64 = 1.895;
+
+/// The relative rounding of stored exchange areas.
+const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
+
+/// One standard error of irradiance by patch and by face, and the budget of what it is made from.
+#[derive(Clone, Debug)]
+pub struct ErrorBars {
+    /// One standard error of a patch's irradiance, n × c, W·m⁻².
+    pub patches: DMatrix<f64>,
+    /// The same of a face's irradiance, in the order of [`Patches::average_by_face`].
+    pub faces: Vec<FaceRow>,
+    /// What the error of faces is made from.
+    pub budget: ErrorBudget,
+}
+
+/// How wrong irradiance by face is, as area-weighted relative root mean square over all channels, and why.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ErrorBudget {
+    /// The error to be expected.
+    pub relative_rms: f64,
+    /// What it does not exceed in 95 cases of 100.
+    pub upper95: f64,
+    /// What both are relative to: root mean square irradiance, W·m⁻².
+    pub irradiance: f64,
+    /// What it is made from.
+    pub parts: Vec<ErrorPart>,
+}
+
+/// One source of error.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ErrorPart {
+    /// [`ErrorPart::MESH`], [`ErrorPart::RAYS`], [`ErrorPart::LAMPS`], `solver` or `storage`.
+    pub name: &'static str,
+    /// How large it is, in the norm of the budget; guaranteed parts are bounds in that of [`Report::bound`].
+    pub value: f64,
+    /// Whether that is guaranteed.
+    pub kind: Certainty,
+}
+
+impl ErrorPart {
+    /// The size of patches.
+    pub const MESH: &'static str = "mesh";
+    /// The noise of form factors, by rays between surfaces.
+    pub const RAYS: &'static str = "form factors";
+    /// The noise of light sampling.
+    pub const LAMPS: &'static str = "lamp sampling";
+}
+
+impl ErrorBudget {
+    /// The value of a part.
+    pub fn part(&self, name: &str) -> f64 {
+        self.parts.iter().find(|part| part.name == name).map_or(0.0, |part| part.value)
+    }
+}
+
+impl ErrorBars {
+    /// Estimates the errors of a solution by coefficients, with irradiance of all lights.
+    ///
+    /// # Errors
+    /// `Transport(NoRays)` unless the rays of the form factors were kept; `Cancelled`.
+    pub fn of(
+        patches: &Patches,
+        factors: &FormFactors,
+        sources: &Sources,
+        solution: &Solution,
+        progress: Progress,
+    ) -> Result<Self, MeasureError> {
+        progress.at("solve", 0.0)?;
+        let irradiance = factors.basis().means(&solution.irradiance);
+        let noise = Noise::of(patches, factors, sources, &solution.radiance)?;
+        progress.at("solve", 0.5)?;
+        let change_by_patch = mesh::mesh_error(patches, factors, sources, &irradiance)?;
+        let faces = Faces { patches, irradiance: patches.average_by_face(&irradiance) };
+        let [rays, lamps] = [&noise.rays, &noise.lamps].map(|batches| faces.batches(batches));
+        let both: Vec<DMatrix<f64>> = noise.rays.iter().zip(&noise.lamps).map(|(a, b)| a + b).collect();
+        let all = faces.batches(&both);
+        let change = faces.of(&change_by_patch);
+        let by_mesh = faces.relative(|f, c| change[(f, c)].powi(2));
+        let part = |name, value, kind| ErrorPart { name, value, kind };
+        let noisy = |batches: &[DMatrix<f64>]| faces.relative(|f, c| noise::variance(batches, (f, c)));
+        let (by_rays, by_lamps) = (noisy(&rays), noisy(&lamps));
+        let parts = vec![
+            part(ErrorPart::MESH, by_mesh, Certainty::Estimated),
+            part(ErrorPart::RAYS, by_rays, Certainty::Estimated),
+            part(ErrorPart::LAMPS, by_lamps, Certainty::Estimated),
+            part("solver", solution.report.bound, solution.report.certainty),
+            part("storage", ROUNDING * solution.report.condition, solution.report.certainty),
+        ];
+        let (relative_rms, upper95) = together(by_mesh, &faces.squares(&all), &solution.report);
+        // A patch or face has its own noise, what of the mesh error is seen on it, and some of what all have.
+        let bar = |h: f64, variance: f64, by_mesh_here: f64| {
+            (variance + by_mesh_here.powi(2) + (COMMON * by_mesh * h).powi(2)).sqrt()
+        };
+        let by_face = faces.irradiance.iter().enumerate().map(|(f, row)| {
+            let of = |c: usize| bar(row.mean[c], noise::variance(&all, (f, c)), change[(f, c)]);
+            FaceRow { mean: (0..row.mean.len()).map(of).collect(), ..row.clone() }
+        });
+        let by_patch = DMatrix::from_fn(irradiance.nrows(), irradiance.ncols(), |i, c| {
+            bar(irradiance[(i, c)], noise::variance(&both, (i, c)), change_by_patch[(i, c)])
+        });
+        let budget = ErrorBudget { relative_rms, upper95, irradiance: faces.typical(), parts };
+        progress.at("solve", 1.0)?;
+        Ok(Self { patches: by_patch, faces: by_face.collect(), budget })
+    }
+}
+
+/// The error to be expected, and what it does not exceed in 95 cases of 100, from mesh error and the squared noise of each batch.
+fn together(by_mesh: f64, noise: &[f64], report: &Report) -> (f64, f64) {
+    let batches = noise.len() as f64;
+    let mean = noise.iter().sum::<f64>() / batches;
+    let spread = (noise.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (batches - 1.0)).sqrt();
+    // What the answer's own noise may be is what one more batch may have, less by their number.
+    let most = mean + STUDENT * spread * (1.0 + 1.0 / batches).sqrt();
+    let expected = (by_mesh.powi(2) + mean / batches).sqrt();
+    let upper = ((MESH_AT_MOST * by_mesh).powi(2) + most / batches).sqrt();
+    let sure = report.bound + ROUNDING * report.condition;
+    (expected, upper + if sure.is_finite() { sure } else { 0.0 })
+}
+
+/// Irradiance by face, and sums over faces relative to it.
+struct Faces<'a> {
+    patches: &'a Patches<'a>,
+    irradiance: Vec<FaceRow>,
+}
+
+impl Faces<'_> {
+    /// Averages a field over faces: a row per face and side.
+    fn of(&self, field: &DMatrix<f64>) -> DMatrix<f64> {
+        let rows = self.patches.average_by_face(field);
+        DMatrix::from_fn(rows.len(), field.ncols(), |f, c| rows[f].mean[c])
+    }
+
+    fn batches(&self, batches: &[DMatrix<f64>]) -> Vec<DMatrix<f64>> {
+        batches.iter().map(|field| self.of(field)).collect()
+    }
+
+    /// ΣA x over faces and channels.
+    fn sum(&self, x: impl Fn(usize, usize) -> f64) -> f64 {
+        let of_face =
+            |(f, row): (usize, &FaceRow)| row.area * (0..row.mean.len()).map(|c| x(f, c)).sum::<f64>();
+        self.irradiance.iter().enumerate().map(of_face).sum()
+    }
+
+    /// ΣA H².
+    fn whole(&self) -> f64 {
+        self.sum(|f, c| self.irradiance[f].mean[c].powi(2)).max(f64::MIN_POSITIVE)
+    }
+
+    /// √(ΣA H² / ΣA).
+    fn typical(&self) -> f64 {
+        (self.whole() / self.sum(|_, _| 1.0).max(f64::MIN_POSITIVE)).sqrt()
+    }
+
+    /// √(ΣA x / ΣA H²).
+    fn relative(&self, squared: impl Fn(usize, usize) -> f64) -> f64 {
+        (self.sum(squared) / self.whole()).sqrt()
+    }
+
+    /// Per batch ΣA x² / ΣA H².
+    fn squares(&self, batches: &[DMatrix<f64>]) -> Vec<f64> {
+        batches.iter().map(|x| self.sum(|f, c| x[(f, c)].powi(2)) / self.whole()).collect()
+    }
+}

@@ -1,0 +1,66 @@
+//! Noise: how far the answer would move if its rays were others.
+//!
+//! The batches of rays say by how much each would change the irradiance ε that the solved light causes. That change is reflected on, δH = ε + πF ρ δH/π. What is
+//! reflected comes from all sides and varies slowly, so that part is solved for between a few hundred clusters of patches.
+
+use nalgebra::DMatrix;
+
+use crate::measure::MeasureError;
+use crate::patches::Patches;
+use crate::solve::{DirectOptions, direct};
+use crate::transport::{FormFactors, Sources, Transport};
+
+/// About how many clusters of patches.
+const CLUSTERS: f64 = 256.0;
+
+/// Rays towards lights without area are points of one sequence, which lie more evenly than those of eight independent ones would. By so much their
+/// parts differ more than they should; measured with skies and spots.
+const EVENNESS: f64 = 1.5;
+
+/// Samples of the noise in irradiance, by what it comes from; their mean over batches is zero.
+pub(super) struct Noise {
+    /// Of rays between surfaces: per batch n × c, W·m⁻².
+    pub rays: Vec<DMatrix<f64>>,
+    /// Of light sampling: per batch n × c, W·m⁻².
+    pub lamps: Vec<DMatrix<f64>>,
+}
+
+impl Noise {
+    /// Samples the noise in the irradiance of a solution with radiance L (N × c).
+    pub fn of(
+        patches: &Patches,
+        factors: &FormFactors,
+        sources: &Sources,
+        radiance: &DMatrix<f64>,
+    ) -> Result<Self, MeasureError> {
+        let clusters = patches.clusters((patches.len() as f64 / CLUSTERS).max(1.0));
+        let each = factors.basis().coefficients();
+        let of_coefficient: Vec<usize> =
+            clusters.of_patch.iter().flat_map(|&cluster| std::iter::repeat_n(cluster, each)).collect();
+        let merged = factors.merged(&of_coefficient, clusters.count);
+        let mut spread = factors.spread(patches, radiance, &clusters, &merged)?;
+        for (lamps, lights) in spread.lamps.iter_mut().zip(&sources.spread) {
+            *lamps += factors.basis().means(lights) / EVENNESS;
+        }
+        let mean = |field: &DMatrix<f64>| patches.average_by(&clusters, field);
+        let reflectance = patches.reflectances();
+        let k = Transport::new(&merged, mean(&reflectance))?;
+        let solver = direct(&k, &DirectOptions::default())?;
+        let reflected_on = |mut change: DMatrix<f64>| {
+            let source = change.zip_map(&reflectance, |h, rho| rho * h / std::f64::consts::PI);
+            let smooth = solver.solve(&mean(&source)).irradiance;
+            for (i, &cluster) in clusters.of_patch.iter().enumerate() {
+                (0..change.ncols()).for_each(|c| change[(i, c)] += smooth[(cluster, c)]);
+            }
+            change
+        };
+        let all = |batches: Vec<DMatrix<f64>>| batches.into_iter().map(reflected_on).collect();
+        Ok(Self { rays: all(spread.rays), lamps: all(spread.lamps) })
+    }
+}
+
+/// The variance of one value of the mean of batches whose own mean is zero.
+pub(super) fn variance(batches: &[DMatrix<f64>], at: (usize, usize)) -> f64 {
+    let count = batches.len() as f64;
+    batches.iter().map(|batch| batch[at].powi(2)).sum::<f64>() / (count * (count - 1.0))
+}

@@ -1,0 +1,160 @@
+//! Clusters: neighbouring patches taken together, the way a coarser cut would have them.
+//!
+//! Each face is cut anew with a longer edge, and the patches whose centres lie in the same cell of it form a cluster. Where a face is too small
+//! to be cut any more coarsely, its patches are taken together with those of other faces of the same object, material and side: these are halved
+//! again and again across the direction in which their centres or their normals spread most.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+use nalgebra::DMatrix;
+
+use super::subdivide::Cuts;
+use super::{Patches, Slot};
+use crate::scene::Side;
+
+/// How far apart two opposite normals are taken to be, as a share of the scene's size: patches that face elsewhere part first.
+const TURN: f64 = 0.5;
+
+/// A way to take patches together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clusters {
+    /// Per patch, its cluster's number.
+    pub of_patch: Vec<usize>,
+    /// Number of clusters.
+    pub count: usize,
+}
+
+impl Patches<'_> {
+    /// Clusters of about `patches` patches each, on edges so many times longer as its root says.
+    pub fn clusters(&self, patches: f64) -> Clusters {
+        let faces = 0..self.scene.faces().len();
+        let corners: Vec<_> =
+            faces.clone().map(|f| self.scene.corners(f).map(|p| self.frame.from_world(p))).collect();
+        let cut = |f: usize| self.scene.is_diffuse(f).then(|| &corners[f]);
+        let coarse = Cuts::new(faces.map(cut), self.edge * patches.sqrt());
+        let mut cells: HashMap<(usize, bool, u32), (Slot, Vec<u32>)> = HashMap::new();
+        for i in 0..self.len() {
+            let place = self.place(i);
+            let [a, b, c] = self.corners(i);
+            let centre = [0, 1].map(|k| (a[k] + b[k] + c[k]) / 3.0);
+            let cell = coarse.cell_at(place.face, centre);
+            let slot = Slot { cell, ..place };
+            let key = (place.face, place.side == Side::Back, cell);
+            cells.entry(key).or_insert((slot, Vec::new())).1.push(i as u32);
+        }
+        let mut cells: Vec<_> = cells.into_values().collect();
+        cells.sort_by_key(|(_, members)| members[0]);
+        let mut clusters = Clusters { of_patch: vec![0; self.len()], count: 0 };
+        let mut small = Vec::new();
+        for (slot, members) in cells {
+            if members.len() as f64 > 0.5 * patches {
+                clusters.add(&members);
+            } else {
+                small.push((slot, members));
+            }
+        }
+        self.pool(small, patches, &mut clusters);
+        clusters
+    }
+
+    /// Takes cells together that have too few patches each.
+    fn pool(&self, cells: Vec<(Slot, Vec<u32>)>, patches: f64, clusters: &mut Clusters) {
+        let centre_of = |members: &[u32]| {
+            members.iter().map(|&i| self.centre(i as usize)).sum::<DVec3>() / members.len() as f64
+        };
+        let centres: Vec<DVec3> = cells.iter().map(|(_, members)| centre_of(members)).collect();
+        let (low, high) = bounds(centres.iter().copied());
+        let turn = TURN * 0.5 * (high - low).max_element();
+        let normals: Vec<DVec3> = cells
+            .iter()
+            .map(|(slot, _)| {
+                let [a, b, c] = self.scene.corners(slot.face);
+                let front = (b - a).cross(c - a).normalize_or_zero();
+                turn * if slot.side == Side::Back { -front } else { front }
+            })
+            .collect();
+        let kind = |cell: usize| {
+            let slot = cells[cell].0;
+            let face = &self.scene.faces()[slot.face];
+            (face.object, face.material, slot.side == Side::Back)
+        };
+        let mut order: Vec<usize> = (0..cells.len()).collect();
+        order.sort_by_key(|&cell| (kind(cell), cell));
+        let halving = Halving { cells: &cells, features: [&centres, &normals], most: patches };
+        for alike in order.chunk_by_mut(|&a, &b| kind(a) == kind(b)) {
+            halving.halve(alike, clusters);
+        }
+    }
+
+    /// Averages a field (n × c) over clusters, weighted by area: a row per cluster.
+    ///
+    /// # Panics
+    /// If `field` has not n rows.
+    pub fn average_by(&self, clusters: &Clusters, field: &DMatrix<f64>) -> DMatrix<f64> {
+        assert_eq!(field.nrows(), self.len(), "one row per patch");
+        let mut areas = vec![0.0; clusters.count];
+        let mut sums = DMatrix::zeros(clusters.count, field.ncols());
+        for (i, &cluster) in clusters.of_patch.iter().enumerate() {
+            areas[cluster] += self.areas[i];
+            (0..field.ncols()).for_each(|c| sums[(cluster, c)] += self.areas[i] * field[(i, c)]);
+        }
+        sums.column_iter_mut()
+            .for_each(|mut sums| sums.iter_mut().zip(&areas).for_each(|(sum, area)| *sum /= area));
+        sums
+    }
+
+    /// Gives each patch what its cluster has: from a row per cluster to one per patch.
+    pub fn spread_over(&self, clusters: &Clusters, field: &DMatrix<f64>) -> DMatrix<f64> {
+        DMatrix::from_fn(self.len(), field.ncols(), |i, c| field[(clusters.of_patch[i], c)])
+    }
+}
+
+impl Clusters {
+    /// Makes a cluster of these patches.
+    fn add(&mut self, patches: &[u32]) {
+        patches.iter().for_each(|&i| self.of_patch[i as usize] = self.count);
+        self.count += 1;
+    }
+}
+
+/// Halving sets of cells until what is left makes a cluster.
+struct Halving<'a> {
+    cells: &'a [(Slot, Vec<u32>)],
+    /// Centres and normals.
+    features: [&'a [DVec3]; 2],
+    most: f64,
+}
+
+impl Halving<'_> {
+    fn halve(&self, set: &mut [usize], clusters: &mut Clusters) {
+        let patches = || set.iter().flat_map(|&cell| &self.cells[cell].1).copied();
+        if set.len() == 1 || patches().count() as f64 <= self.most {
+            clusters.add(&patches().collect::<Vec<_>>());
+            return;
+        }
+        let spread = self.features.map(|feature| {
+            let (low, high) = bounds(set.iter().map(|&cell| feature[cell]));
+            high - low
+        });
+        let widest = usize::from(spread[1].max_element() > spread[0].max_element());
+        let axis = spread[widest].max_position();
+        let place = |cell: usize| self.features[widest][cell][axis];
+        set.sort_by(|&a, &b| place(a).total_cmp(&place(b)).then(a.cmp(&b)));
+        // Positions are halved by number; normals in the middle, where the turn is.
+        let half = match widest {
+            0 => set.len() / 2,
+            _ => {
+                let middle = 0.5 * (place(set[0]) + place(set[set.len() - 1]));
+                set.partition_point(|&cell| place(cell) <= middle).min(set.len() - 1)
+            }
+        };
+        let (first, second) = set.split_at_mut(half);
+        self.halve(first, clusters);
+        self.halve(second, clusters);
+    }
+}
+
+fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
+}

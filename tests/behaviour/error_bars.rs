@@ -1,0 +1,233 @@
+//! Error bars: what an answer says of its own error, held against what the error is.
+
+use nalgebra::DMatrix;
+use radiosity::measure::{
+    self, Ending, ErrorBars, ErrorPart, Goal, MeasureError, ReferenceRow, RelativeRms, Resource, Tolerated,
+};
+use radiosity::patches::{Basis, FaceRow, PatchSize, Patches, Tessellation};
+use radiosity::progress::Progress;
+use radiosity::scene::{Material, Scene};
+use radiosity::solve::{self, CgOptions, Solution};
+use radiosity::trace::Tracer;
+use radiosity::transport::{
+    FormFactors, Keep, LightOptions, Sources, TraceOptions, Transport, TransportError,
+};
+
+use crate::scenes::{quads, room};
+
+/// An answer with its error bars.
+struct Answer {
+    faces: Vec<FaceRow>,
+    bars: ErrorBars,
+}
+
+fn solved(patches: &Patches, factors: &FormFactors, sources: &Sources) -> Solution {
+    let k = Transport::of(factors, patches).unwrap();
+    let e = sources.right_hand_side(&k);
+    solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap().under(sources)
+}
+
+fn answer(tracer: &Tracer, count: usize, rays: u32, seed: u64, basis: Basis) -> Answer {
+    // The cut is the same for every seed.
+    let size = PatchSize::Count(count);
+    let mut patches = Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let options = TraceOptions { rays: Some(rays), seed, basis, keep: Keep::Rays, ..Default::default() };
+    let factors = FormFactors::trace(tracer, &mut patches, &options).unwrap();
+    let light = LightOptions { rays, seed, ..Default::default() };
+    let sources = Sources::trace(tracer, &patches, basis, &light).unwrap();
+    let solution = solved(&patches, &factors, &sources);
+    let bars = ErrorBars::of(&patches, &factors, &sources, &solution, Progress::default()).unwrap();
+    Answer { faces: patches.average_by_face(&solution.means(basis).irradiance), bars }
+}
+
+fn data(name: &str) -> (Scene, Vec<ReferenceRow>) {
+    let path = |kind: &str| format!("{}/tests/data/{name}.{kind}", env!("CARGO_MANIFEST_DIR"));
+    (Scene::load(path("obj")).unwrap(), ReferenceRow::read(path("csv")).unwrap())
+}
+
+/// √(ΣA x / ΣA H²) over faces and channels.
+fn relative(faces: &[FaceRow], x: impl Fn(usize, usize) -> f64) -> f64 {
+    let channels = faces[0].mean.len();
+    let all = || (0..faces.len()).flat_map(|f| (0..channels).map(move |c| (f, c)));
+    let sum = |of: &dyn Fn(usize, usize) -> f64| all().map(|(f, c)| faces[f].area * of(f, c)).sum::<f64>();
+    (sum(&x) / sum(&|f, c| faces[f].mean[c].powi(2))).sqrt()
+}
+
+#[test]
+fn the_noise_that_one_answer_tells_is_how_far_answers_with_other_rays_lie_apart() {
+    const SEEDS: u64 = 16;
+    let with_sky = "meshes/daylit_room.obj";
+    for (name, basis) in [
+        ("meshes/cornell_box.obj", Basis::Constant),
+        ("meshes/cornell_box.obj", Basis::Linear),
+        (with_sky, Basis::Constant),
+    ] {
+        let scene = Scene::load(format!("{}/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let tracer = Tracer::new(&scene);
+        let answers: Vec<Answer> = (0..SEEDS).map(|seed| answer(&tracer, 600, 64, seed, basis)).collect();
+        let faces = &answers[0].faces;
+        let mean =
+            |f: usize, c: usize| answers.iter().map(|a| a.faces[f].mean[c]).sum::<f64>() / SEEDS as f64;
+        let apart = relative(faces, |f, c| {
+            let squares = answers.iter().map(|a| (a.faces[f].mean[c] - mean(f, c)).powi(2));
+            squares.sum::<f64>() / (SEEDS - 1) as f64
+        });
+        let told = |a: &Answer| {
+            a.bars.budget.part(ErrorPart::RAYS).powi(2) + a.bars.budget.part(ErrorPart::LAMPS).powi(2)
+        };
+        let told = (answers.iter().map(told).sum::<f64>() / SEEDS as f64).sqrt();
+        // 16 answers know how far they lie apart to some 15 %, most of all where what they have in common varies.
+        assert!((0.65..1.6).contains(&(told / apart)), "{name} {basis:?}: told {told}, found {apart}");
+    }
+}
+
+#[test]
+fn a_furnace_has_no_noise_for_balancing_takes_all_of_it() {
+    let scene = furnace();
+    let tracer = Tracer::new(&scene);
+    for basis in [Basis::Constant, Basis::Linear] {
+        let Answer { bars, .. } = answer(&tracer, 300, 64, 1, basis);
+        assert!(bars.budget.relative_rms < 2e-3, "{basis:?}: {:?}", bars.budget);
+    }
+}
+
+#[test]
+fn mesh_error_falls_with_the_patches_and_noise_with_the_rays() {
+    let scene = Scene::cornell_box();
+    let tracer = Tracer::new(&scene);
+    let of = |count, rays| {
+        let budget = answer(&tracer, count, rays, 1, Basis::Constant).bars.budget;
+        (budget.part(ErrorPart::MESH), budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS)))
+    };
+    let (coarse, noisy) = of(800, 64);
+    let (fine, _) = of(6400, 64);
+    let (same, calm) = of(800, 1024);
+    assert!(fine < 0.6 * coarse, "mesh {coarse} → {fine}");
+    assert!((same / coarse - 1.0).abs() < 0.15, "mesh {coarse} and {same}");
+    assert!(calm < 0.4 * noisy, "noise {noisy} → {calm}");
+}
+
+#[test]
+fn against_another_renderer_bounds_hold_and_bars_cover_what_they_should() {
+    for (name, settings) in [
+        ("cornell", [(1000, 64), (4000, 256)]),
+        ("gallery", [(2500, 64), (8000, 128)]),
+        ("corridor", [(300, 64), (1200, 128)]),
+    ] {
+        let (scene, reference) = data(name);
+        let tracer = Tracer::new(&scene);
+        for (count, rays) in settings {
+            let Answer { faces, bars } = answer(&tracer, count, rays, 1, Basis::Constant);
+            let rms = RelativeRms::of(&faces, &reference).value;
+            let upper = bars.budget.upper95;
+            assert!((rms..4.0 * rms).contains(&upper), "{name} {count} × {rays}: error {rms}, bound {upper}");
+            let (mut covered, mut all) = (0, 0);
+            for row in &reference {
+                let Some(f) = faces.iter().position(|f| (f.face, f.side) == (row.face, row.side)) else {
+                    continue;
+                };
+                for c in (0..3).filter(|&c| row.standard_error[c] < 0.2 * row.mean[c]) {
+                    let off = (faces[f].mean[c.min(faces[f].mean.len() - 1)] - row.mean[c]).abs();
+                    let bar = bars.faces[f].mean[c.min(faces[f].mean.len() - 1)];
+                    covered += usize::from(off < bar.hypot(row.standard_error[c]));
+                    all += 1;
+                }
+            }
+            let share = covered as f64 / all as f64;
+            assert!((0.5..0.97).contains(&share), "{name} {count} × {rays}: {share} of {all} covered");
+        }
+    }
+}
+
+#[test]
+fn an_accuracy_that_is_asked_for_is_reached() {
+    let (scene, reference) = data("cornell");
+    let tracer = Tracer::new(&scene);
+    let goal = Goal { error: Some(Tolerated::Relative(0.02)), seconds: None };
+    let found = measure::reach(&tracer, goal, &Default::default(), &Default::default()).unwrap();
+    assert_eq!(found.ending, Ending::Reached);
+    let last = found.steps.iter().map(|step| step.upper95).fold(f64::INFINITY, f64::min);
+    assert!(last <= 0.02, "{:?}", found.steps);
+    let sources = Sources::from(found.patches.sources());
+    let solution = solved(&found.patches, &found.factors, &sources);
+    let rms = RelativeRms::of(&found.patches.average_by_face(&solution.irradiance), &reference);
+    assert!(rms.value < 0.02, "{rms:?}");
+    assert!(found.steps[0].patches < found.patches.len());
+}
+
+#[test]
+fn what_does_not_fit_into_memory_or_time_ends_with_the_best_there_is_and_what_it_would_take() {
+    let scene = Scene::cornell_box();
+    let tracer = Tracer::new(&scene);
+    let trace = TraceOptions { memory: 8 << 20, ..Default::default() };
+    let goal = Goal { error: Some(Tolerated::Relative(1e-4)), seconds: None };
+    let found = measure::reach(&tracer, goal, &Default::default(), &trace).unwrap();
+    let Ending::Short { of: Resource::Memory, needed, .. } = found.ending else {
+        panic!("{:?}", found.ending)
+    };
+    assert!(needed.patches > found.patches.len() as f64);
+    assert!(found.steps.iter().all(|step| step.upper95 > 1e-4));
+    let goal = Goal { seconds: Some(1e-3), ..goal };
+    let found = measure::reach(&tracer, goal, &Default::default(), &Default::default()).unwrap();
+    assert!(matches!(found.ending, Ending::Short { of: Resource::Time, .. }), "{:?}", found.ending);
+    assert_eq!(found.steps.len(), 1);
+}
+
+#[test]
+fn more_rays_are_as_good_as_having_sent_them_at_once() {
+    let scene = Scene::cornell_box();
+    let tracer = Tracer::new(&scene);
+    let size = PatchSize::Count(600);
+    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let trace = |rays, seed| TraceOptions { rays: Some(rays), seed, keep: Keep::Rays, ..Default::default() };
+    let few = FormFactors::trace(&tracer, &mut patches, &trace(64, 1)).unwrap();
+    let sources = Sources::from(patches.sources());
+    let noise = |patches: &Patches, factors: &FormFactors| {
+        let solution = solved(patches, factors, &sources);
+        let budget =
+            ErrorBars::of(patches, factors, &sources, &solution, Progress::default()).unwrap().budget;
+        (solution.irradiance, budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS)))
+    };
+    let (_, before) = noise(&patches, &few);
+    let more = few.with_more_rays(&tracer, &mut patches, &trace(192, 2)).unwrap();
+    assert_eq!(more.rays(), 256);
+    assert!(more.exchange().closure_error() < 1e-12 && more.exchange().reciprocity_error() == 0.0);
+    let (h, after) = noise(&patches, &more);
+    assert!(after < 0.7 * before, "{before} → {after}");
+    let at_once = FormFactors::trace(&tracer, &mut patches, &trace(256, 3)).unwrap();
+    let (other, noise_of_other) = noise(&patches, &at_once);
+    let difference: DMatrix<f64> = &h - &other;
+    let apart = relative(&patches.average_by_face(&other), {
+        let difference = patches.average_by_face(&difference);
+        move |f, c| difference[f].mean[c].powi(2)
+    });
+    assert!(apart < 2.5 * after.hypot(noise_of_other), "{apart} apart, noise {after} and {noise_of_other}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bars() {
+    let scene = furnace();
+    let tracer = Tracer::new(&scene);
+    let [a, b] = [0, 1].map(|_| answer(&tracer, 300, 32, 5, Basis::Constant).bars);
+    assert_eq!(a.patches, b.patches);
+    assert_eq!(a.budget, b.budget);
+}
+
+#[test]
+fn without_rays_there_are_no_error_bars() {
+    let scene = Scene::cornell_box();
+    let tracer = Tracer::new(&scene);
+    let size = PatchSize::Count(200);
+    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let options = TraceOptions { rays: Some(32), ..Default::default() };
+    let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
+    let sources = Sources::from(patches.sources());
+    let solution = solved(&patches, &factors, &sources);
+    let refused = ErrorBars::of(&patches, &factors, &sources, &solution, Progress::default());
+    assert!(matches!(refused, Err(MeasureError::Transport(TransportError::NoRays))));
+}
+
+/// A closed cube that glows and reflects half.
+fn furnace() -> Scene {
+    quads(&room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0)), vec![Material::lamp("wall", &[0.5], &[1.0])])
+}
