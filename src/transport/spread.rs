@@ -272,9 +272,9 @@ impl Setting<'_> {
                 let own = if known.flooded[i] { scale[K * i + a] } else { 1.0 };
                 for b in (0..K).filter(|&b| there[b] != 0.0) {
                     let worth = worth * share * here[a] * there[b] * own * scale[K * j + b];
-                    for c in 0..LANES {
-                        lamps[i][c] += worth * known.field[K * j + b][c];
-                        lamps[j][c] += worth * known.field[K * i + a][c];
+                    for (to, from) in [(i, K * j + b), (j, K * i + a)] {
+                        let sums = lamps[to].iter_mut().zip(&known.field[from]);
+                        sums.for_each(|(sum, x)| *sum += worth * x);
                     }
                 }
             }
@@ -298,9 +298,7 @@ impl Setting<'_> {
                 self.exchange.for_row(each * j + b, |k, area| {
                     for (batch, sums) in lamps.iter_mut().enumerate() {
                         let excess = area * excess(k / each, batch);
-                        for c in 0..LANES {
-                            sums[j][c] -= excess * known.field[k][c];
-                        }
+                        sums[j].iter_mut().zip(&known.field[k]).for_each(|(sum, x)| *sum -= excess * x);
                     }
                 });
             }
