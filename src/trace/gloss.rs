@@ -130,7 +130,7 @@ fn escape(alpha: f64, o: DVec3, i: DVec3) -> f64 {
     seen / (seen + (spread(alpha, i) - i.z) * o.z)
 }
 
-/// The normal of a facet that `o` sees, with density [`visible_facet_pdf`] (Dupuy & Benyoub 2023).
+/// The normal of a facet that `o` sees (Dupuy & Benyoub 2023), with density `visible_facet_pdf`.
 fn visible_facet(alpha: f64, o: DVec3, [u, v]: [f64; 2]) -> DVec3 {
     // Stretch the facets to a hemisphere, which o sees as reflected into a cap of the sphere.
     let o = DVec3::new(alpha * o.x, alpha * o.y, o.z.max(0.0)).normalize();
