@@ -48,7 +48,9 @@ impl Patches<'_> {
         let mut clusters = Clusters { of_patch: vec![0; self.len()], count: 0 };
         let mut small = Vec::new();
         for (slot, members) in cells {
-            if members.len() as f64 > 0.5 * patches {
+            // What a face's border leaves over stays by itself: far from each other such leftovers have nothing in common.
+            let of_face = self.patches_of(slot.face, slot.side).len() as f64;
+            if of_face > 0.5 * patches {
                 clusters.add(&members);
             } else {
                 small.push((slot, members));
@@ -58,7 +60,7 @@ impl Patches<'_> {
         clusters
     }
 
-    /// Takes cells together that have too few patches each.
+    /// Takes together the cells of faces that have too few patches each.
     fn pool(&self, cells: Vec<(Slot, Vec<u32>)>, patches: f64, clusters: &mut Clusters) {
         let centre_of = |members: &[u32]| {
             members.iter().map(|&i| self.centre(i as usize)).sum::<DVec3>() / members.len() as f64
