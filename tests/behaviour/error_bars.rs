@@ -54,13 +54,14 @@ fn relative(faces: &[FaceRow], x: impl Fn(usize, usize) -> f64) -> f64 {
 #[test]
 fn the_noise_that_one_answer_tells_is_how_far_answers_with_other_rays_lie_apart() {
     const SEEDS: u64 = 16;
-    let with_sky = "meshes/daylit_room.obj";
-    for (name, basis) in [
-        ("meshes/cornell_box.obj", Basis::Constant),
-        ("meshes/cornell_box.obj", Basis::Linear),
-        (with_sky, Basis::Constant),
+    // 16 answers know how far they lie apart to some 15 %, most of all where what they have in common varies. Rays towards a sky lie more evenly
+    // than their parts, and their noise is told too large.
+    for (name, basis, most) in [
+        ("cornell_box", Basis::Constant, 1.5),
+        ("cornell_box", Basis::Linear, 1.5),
+        ("daylit_room", Basis::Constant, 2.0),
     ] {
-        let scene = Scene::load(format!("{}/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let scene = Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap();
         let tracer = Tracer::new(&scene);
         let answers: Vec<Answer> = (0..SEEDS).map(|seed| answer(&tracer, 600, 64, seed, basis)).collect();
         let faces = &answers[0].faces;
@@ -74,8 +75,7 @@ fn the_noise_that_one_answer_tells_is_how_far_answers_with_other_rays_lie_apart(
             a.bars.budget.part(ErrorPart::RAYS).powi(2) + a.bars.budget.part(ErrorPart::LAMPS).powi(2)
         };
         let told = (answers.iter().map(told).sum::<f64>() / SEEDS as f64).sqrt();
-        // 16 answers know how far they lie apart to some 15 %, most of all where what they have in common varies.
-        assert!((0.65..1.6).contains(&(told / apart)), "{name} {basis:?}: told {told}, found {apart}");
+        assert!((0.65..most).contains(&(told / apart)), "{name} {basis:?}: told {told}, found {apart}");
     }
 }
 
