@@ -71,7 +71,7 @@
 //! for the scene.
 //!
 //! Mirrors, metals and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
-//! beside it.
+//! beside it. Where they are coloured F differs by channel, see [`FormFactors::exchange_of`](transport::FormFactors::exchange_of).
 //!
 //! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take [`Sources`](transport::Sources) for what starts in them:
 //! `let sources = Sources::trace(&tracer, &patches, factors.basis(), &LightOptions::default())?`, then
