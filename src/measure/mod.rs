@@ -1,6 +1,6 @@
 //! Measure: how good an answer is, and what it is made from.
 //!
-//! [`PathTracer`] is the independent witness; [`Comparison`] holds an answer against it. [`Energy`] and the health reports need no
+//! [`PathTracer`] is the independent witness; [`Comparison`] holds an answer against it, [`Study`] many answers, with what each took. [`Energy`] and the health reports need no
 //! witness: they look at the answer itself.
 
 mod accuracy;
@@ -9,6 +9,7 @@ mod energy;
 mod error_bars;
 mod health;
 mod path_tracer;
+mod study;
 mod undershoot;
 
 use crate::patches::PatchError;
@@ -24,6 +25,10 @@ pub use energy::Energy;
 pub use error_bars::{ErrorBars, ErrorBudget, ErrorPart};
 pub use health::{Finding, Verdict, mesh_health, operator_health};
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
+pub use study::{
+    Cell, Conclusions, FaceError, Grid, LeftOut, OrderTrend, Reading, ReferenceSide, Slope, Solving, Study,
+    StudyOptions, StudyReference, StudyRow, StudySolver, Target, Trend, Turn, Want,
+};
 pub use undershoot::Undershoot;
 
 /// Why something could not be measured.

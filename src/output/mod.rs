@@ -16,6 +16,7 @@ mod npz;
 mod photometry;
 mod picture;
 mod smooth;
+mod study;
 mod summary;
 mod table;
 mod tone;
@@ -30,8 +31,8 @@ pub use self::comparison::{
     write_comparison_table,
 };
 pub use self::figure::{
-    BouncePictures, ComparisonOptions, OrdersPlot, write_bounces, write_comparison, write_illuminance,
-    write_orders_plot,
+    BouncePictures, ComparisonOptions, OrdersPlot, SmallPlot, write_bounces, write_comparison,
+    write_illuminance, write_knobs_plot, write_orders_plot, write_small_plots, write_study_plot,
 };
 pub use self::file::{Outputs, replace};
 pub use self::form_factors::{FactorFormat, FactorTable, write_form_factors};
@@ -40,6 +41,9 @@ pub use self::mesh::write_ply;
 pub use self::photometry::{Illuminance, illuminance, write_photometry, write_receivers};
 pub use self::picture::{LampPart, Picture};
 pub use self::smooth::SmoothField;
+pub use self::study::{
+    StudySummary, read_study, write_study_reference, write_study_report, write_study_table,
+};
 pub use self::summary::{
     BounceSummary, EnergySummary, PlanEntry, SeriesSummary, Stage, Summary, write_summary,
 };

@@ -55,7 +55,7 @@ fn split() -> Par {
 pub fn direct<'k>(k: &'k Transport<'k>, options: &DirectOptions) -> Result<Direct<'k>, SolveError> {
     let n = k.len();
     let (factor_of, distinct) = distinct_channels(k);
-    let needed = 8 * (n as u64).pow(2) * distinct.len() as u64;
+    let needed = factor_bytes(k);
     if needed > options.memory {
         return Err(SolveError::Memory { n, needed, limit: options.memory });
     }
@@ -99,12 +99,17 @@ impl Direct<'_> {
 }
 
 /// Whether the direct solver fits into `memory` and takes no more than a second or two.
-pub(super) fn is_quick(k: &Transport, memory: u64) -> bool {
+pub(crate) fn is_quick(k: &Transport, memory: u64) -> bool {
     // n³/3 multiplications and additions a factor; two cores do some 10¹¹ of these a second.
     const QUICK: f64 = 1.2e11;
     let n = k.len() as f64;
     let factors = distinct_channels(k).1.len() as f64;
-    factors * n.powi(3) / 3.0 < QUICK && factors * 8.0 * n * n <= memory as f64
+    factors * n.powi(3) / 3.0 < QUICK && factor_bytes(k) <= memory
+}
+
+/// Bytes that the factors take.
+pub(crate) fn factor_bytes(k: &Transport) -> u64 {
+    8 * (k.len() as u64).pow(2) * distinct_channels(k).1.len() as u64
 }
 
 /// For each channel the index of its factor, and for each factor its first channel.

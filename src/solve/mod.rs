@@ -19,6 +19,7 @@ use nalgebra::DMatrix;
 pub use amplification::{Amplification, Certainty};
 pub use conjugate_gradient::{CgOptions, conjugate_gradients};
 pub use direct::{Direct, DirectOptions, direct};
+pub(crate) use direct::{factor_bytes, is_quick};
 pub use neumann::{Bounce, NeumannOptions, Series, bounces, neumann};
 
 use crate::patches::Basis;

@@ -20,6 +20,7 @@ mod pictures; // what cameras see: ways of shading agree, nothing lit is black
 mod receivers; // light at points that are no patches, and what is reported in lux
 mod saved_factors; // what may change around saved form factors, and what may not
 mod structure; // modules import only from their left
+mod study; // accuracy against time: errors that fall, noise that is called noise, studies that resume
 mod thin_glass; // sheets: a slab, a furnace, sun and sky through windows, pictures, settings
 
 mod scenes; // small scenes, made on the spot

@@ -8,6 +8,7 @@ mod factors;
 mod form_factors;
 mod render;
 mod solve;
+mod study;
 mod terminal;
 
 use std::process::ExitCode;
@@ -40,6 +41,7 @@ enum Command {
     /// Solves it as solve does, and writes image.png only.
     Render(render::Args),
     Compare(compare::Args),
+    Study(study::Args),
     FormFactors(form_factors::Args),
     /// Look for what is wrong with a mesh: leaks, slivers, winding, lamps, closure, conditioning
     #[command(mut_arg("patches", check::fewer), mut_arg("rays", check::usual))]
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
         Command::Solve(args) => &args.run,
         Command::Render(args) => &args.run,
         Command::Compare(args) => &args.run,
+        Command::Study(args) => &args.run,
         Command::FormFactors(args) => &args.run,
         Command::Check(args) => &args.run,
     };
@@ -60,6 +63,7 @@ fn main() -> ExitCode {
         Command::Solve(args) => solve::run(args, &terminal),
         Command::Render(args) => render::run(args, &terminal),
         Command::Compare(args) => compare::run(args, &terminal),
+        Command::Study(args) => study::run(args, &terminal),
         Command::FormFactors(args) => form_factors::run(args, &terminal),
         Command::Check(args) => check::run(args, &terminal),
     });

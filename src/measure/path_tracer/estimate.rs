@@ -112,6 +112,12 @@ impl PathTraced {
         self.seconds
     }
 
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        let of = |half: &Half| 4 * half.batches.len() + 16 * half.sums.len() + 8 * half.spread.len();
+        (self.halves.iter().map(of).sum::<usize>() + 8 * self.areas.len()) as u64
+    }
+
     /// The highest bounce that is kept apart.
     pub fn bounces(&self) -> usize {
         self.bounces

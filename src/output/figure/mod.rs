@@ -2,21 +2,30 @@
 //!
 //! [`write_comparison`] holds an answer against a reference, [`write_bounces`] shows how light builds up bounce by bounce,
 //! [`write_orders_plot`] how the error of the series falls with its order, and
-//! [`write_illuminance`] how much light falls where, in false colours.
+//! [`write_illuminance`] how much light falls where, in false colours. [`write_study_plot`] shows what accuracy costs in time, [`write_knobs_plot`] what each
+//! knob of it does alone.
 
+mod axes;
 mod bounces;
 mod canvas;
 mod comparison;
 mod diverging;
 mod illuminance;
+mod knobs;
+mod loglog;
+mod multiples;
 mod orders;
 mod panel;
+mod study;
 mod text;
 
 pub use bounces::{BouncePictures, write_bounces};
 pub use comparison::{ComparisonOptions, write_comparison};
 pub use illuminance::write_illuminance;
+pub use knobs::write_knobs_plot;
+pub use multiples::{SmallPlot, write_small_plots};
 pub use orders::{OrdersPlot, write_orders_plot};
+pub use study::write_study_plot;
 
 /// The number of the form 1, 2 or 5 · 10ᵏ at or next above `x`, to six digits; 1 where `x` is not positive and finite.
 fn round_up(x: f64) -> f64 {

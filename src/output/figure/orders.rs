@@ -7,6 +7,10 @@ use plotters::coord::combinators::LogCoord;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
+use super::axes::{
+    BLUE, DARK, GREEN, GREY, Stroke, VERMILION, apart, is_shown, percent, power_of_ten, short_percent,
+};
+
 /// Width and height, pixels.
 const SIZE: (u32, u32) = (800, 500);
 
@@ -16,21 +20,11 @@ const NAMES: u32 = 215;
 /// Length of the piece of a curve that stands before its name.
 const SWATCH: i32 = 21;
 
-/// Lines of names are so far apart, at least.
-const LINE: i32 = 19;
-
 /// Name of the curve of bounds.
 const BOUND: &str = "bound, guaranteed";
 
 /// No more decades than this are shown below the largest value.
 const DECADES: i32 = 12;
-
-/// Colours that stay apart with any kind of colour blindness (Okabe & Ito 2008).
-const BLUE: RGBColor = RGBColor(0, 114, 178);
-const VERMILION: RGBColor = RGBColor(213, 94, 0);
-const GREEN: RGBColor = RGBColor(0, 140, 103);
-const DARK: RGBColor = RGBColor(60, 60, 60);
-const GREY: RGBColor = RGBColor(120, 120, 120);
 
 /// What the plot shows; errors are relative, 1 is 100 %. Values that are not positive and finite are left out.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,14 +48,6 @@ pub struct OrdersPlot {
 }
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, LogCoord<f64>>>;
-
-/// How a line is drawn.
-#[derive(Clone, Copy)]
-enum Stroke {
-    Solid,
-    Dashed,
-    Dotted,
-}
 
 /// A named curve.
 struct Curve {
@@ -165,11 +151,6 @@ fn curves(plot: &OrdersPlot, [first, last]: [f64; 2]) -> Vec<Curve> {
     all.into_iter().filter(|c| !c.points.is_empty()).collect()
 }
 
-/// Whether a logarithmic axis has a place for a value.
-fn is_shown(value: f64) -> bool {
-    (1e-100..1e100).contains(&value)
-}
-
 /// The decades that curves are shown in. A bound far above all errors does not stretch them.
 fn axis(curves: &[Curve]) -> [f64; 2] {
     let values = |curve: &Curve| curve.points.iter().map(|p| p.1).collect::<Vec<_>>();
@@ -260,47 +241,6 @@ fn draw_names(
         root.draw(&Text::new(curve.name.clone(), (right + SWATCH + 6, y - 7), style))?;
     }
     Ok(())
-}
-
-/// Ascending places moved so that none is nearer than a line to the next, and the last is not below `end`.
-fn apart(places: &[i32], end: i32) -> Vec<i32> {
-    let mut moved = Vec::with_capacity(places.len());
-    let mut next = i32::MIN;
-    for &place in places {
-        let at = place.max(next);
-        moved.push(at);
-        next = at + LINE;
-    }
-    let mut limit = end;
-    for at in moved.iter_mut().rev() {
-        *at = (*at).min(limit);
-        limit = *at - LINE;
-    }
-    moved
-}
-
-/// A power of ten as per cent.
-fn percent(share: f64) -> String {
-    let digits = (-(100.0 * share).log10().round()).clamp(0.0, 12.0) as usize;
-    format!("{:.digits$} %", 100.0 * share)
-}
-
-/// As per cent with two digits that count.
-fn short_percent(share: f64) -> String {
-    let digits = (1.0 - (100.0 * share).log10().floor()).clamp(0.0, 6.0) as usize;
-    format!("{:.digits$} %", 100.0 * share)
-}
-
-/// 10ᵏ.
-fn power_of_ten(y: f64) -> String {
-    let raised = |c: char| match c {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        _ => char::from_u32('⁰' as u32 + c.to_digit(10).unwrap_or(0)).unwrap_or(c),
-    };
-    format!("10{}", format!("{:.0}", y.log10()).chars().map(raised).collect::<String>())
 }
 
 #[cfg(test)]
@@ -403,12 +343,5 @@ mod tests {
         let far = OrdersPlot { bound: vec![1e9; 13], ..plot() };
         assert_eq!(axis(&curves(&far, [0.0, 12.0]))[1], 1.0);
         assert_eq!(axis(&curves(&plot(), [0.0, 12.0]))[1], 10.0);
-    }
-
-    #[test]
-    fn names_keep_apart_and_stay_in_the_plot() {
-        assert_eq!(apart(&[10, 100, 200], 400), [10, 100, 200]);
-        assert_eq!(apart(&[10, 12, 14], 400), [10, 29, 48]);
-        assert_eq!(apart(&[390, 395, 400], 400), [362, 381, 400]);
     }
 }

@@ -1,6 +1,7 @@
 //! The program: what it writes, what it prints, and what it answers when something is wrong.
 
 mod compare;
+mod study;
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
