@@ -70,8 +70,8 @@
 //! A *guaranteed* bound holds for the operator at hand in exact arithmetic; it does not speak of how well that operator stands
 //! for the scene.
 //!
-//! Mirrors and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
-//! beside it.
+//! Mirrors, metals and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
+//! beside it. Where they are coloured F differs by channel, see [`FormFactors::exchange_of`](transport::FormFactors::exchange_of).
 //!
 //! Where a [texture](scene::Texture) varies ρ or Lₑ over a surface, patches have its mean; pictures show the texture itself.
 //!

@@ -1,4 +1,4 @@
-//! Scenes with carriers: mirrors and glass.
+//! Scenes with carriers: mirrors, metals and glass.
 
 use std::f64::consts::PI;
 
@@ -101,6 +101,57 @@ glass absorbs nothing: the diffuse faces absorb all of it.",
         },
         area: box_area(3.0, 2.4, 3.0) + 4.0 * PI * (0.5_f64.powi(2) + 0.3_f64.powi(2)),
         tolerance: 1e-3,
+    }
+}
+
+pub fn glossy_floor() -> Scene {
+    let mut m = Mesh::default();
+    let (low, high) = ([0.0; 3], [4.0, 2.5, 3.0]);
+    let lamp = inside([1.2, 2.5, 0.5], [1.8, 2.5, 1.1], Top);
+    let block = [[2.9, 1.1, 0.8], [2.5, 1.1, 1.3], [3.0, 1.1, 1.7], [3.4, 1.1, 1.2]];
+
+    m.paint("floor", "steel").room(low, high, &[Bottom]);
+    m.paint("left_wall", "red");
+    for (k, l) in (0..5).flat_map(|k| (0..6).map(move |l| (f64::from(k), f64::from(l)))) {
+        m.room([0.0, 0.5 * k, 0.5 * l], [4.0, 0.5 * (k + 1.0), 0.5 * (l + 1.0)], &[Left]);
+    }
+    m.paint("back_wall", "chalk");
+    for (k, l) in (0..8).flat_map(|k| (0..5).map(move |l| (f64::from(k), f64::from(l)))) {
+        m.room([0.5 * k, 0.5 * l, 0.0], [0.5 * (k + 1.0), 0.5 * (l + 1.0), 3.0], &[Back]);
+    }
+    m.paint("right_wall", "blue").room(low, high, &[Right]);
+    m.paint("front_wall", "chalk").room(low, high, &[Front]);
+    m.paint("ceiling", "chalk").surround(inside(low, high, Top), lamp);
+    m.paint("lamp", "lamp").face(&lamp);
+    m.paint("block", "gold").block(block);
+
+    Scene {
+        name: "glossy_floor",
+        notes: "\
+A closed room of 4 x 2.5 x 3 m with a floor of brushed steel and a block of dull gold. The lamp
+near the back wall throws its light up that wall from the floor, and both metals show the room
+the more blurred the farther away it is.
+
+Known: the lamp emits pi A Le = pi * 0.36 m2 * (24, 22, 19) = (27.143, 24.881, 21.488) W, and
+what the diffuse faces absorb and what the metals absorb add up to that.",
+        materials: vec![
+            Material::matt("chalk", [0.80, 0.78, 0.74]),
+            Material::matt("red", [0.63, 0.12, 0.10]),
+            Material::matt("blue", [0.16, 0.28, 0.62]),
+            Material::metal("steel", [0.7; 3], 0.4),
+            Material::metal("gold", [1.0, 0.78, 0.34], 0.5),
+            Material::glowing("lamp", [0.78, 0.78, 0.78], [24.0, 22.0, 19.0]),
+        ],
+        mesh: m,
+        lights: "",
+        camera: Camera {
+            about: "From the front, low over the floor, towards the back wall and the block.",
+            position: [1.3, 1.1, 2.9],
+            target: [2.1, 0.6, 0.4],
+            fov: 60.0,
+        },
+        area: box_area(4.0, 2.5, 3.0) + block_area(block),
+        tolerance: ROUNDING,
     }
 }
 

@@ -38,6 +38,7 @@ fn main() -> io::Result<ExitCode> {
         furnished_room(),
         carriers::mirror_room(),
         carriers::glass_balls(),
+        carriers::glossy_floor(),
         lit::daylit_room(),
         lit::spot_gallery(),
         textured::textured_room(),
@@ -773,7 +774,7 @@ struct Scene {
     tolerance: f64,
 }
 
-/// Diffuse reflectance, and emitted radiance of the front in W/(sr m²); or what a mirror or glass is.
+/// Diffuse reflectance, and emitted radiance of the front in W/(sr m²); or what a mirror, metal or glass is.
 struct Material {
     name: &'static str,
     reflectance: [f64; 3],
@@ -789,6 +790,8 @@ enum Finish {
     Mirror(f64),
     /// Index of refraction.
     Glass(f64),
+    /// Roughness; its reflectance is the material's.
+    Metal(f64),
 }
 
 impl Material {
@@ -806,6 +809,10 @@ impl Material {
 
     fn mirror(name: &'static str, reflectance: f64) -> Material {
         Material { finish: Finish::Mirror(reflectance), ..Material::matt(name, [0.0; 3]) }
+    }
+
+    fn metal(name: &'static str, reflectance: [f64; 3], roughness: f64) -> Material {
+        Material { finish: Finish::Metal(roughness), ..Material::matt(name, reflectance) }
     }
 
     fn glass(name: &'static str, index: f64) -> Material {
@@ -881,6 +888,7 @@ impl Scene {
                 Finish::Matt => writeln!(text, "illum 1"),
                 Finish::Mirror(ks) => writeln!(text, "Ks {ks} {ks} {ks}\nillum 3"),
                 Finish::Glass(ni) => writeln!(text, "Ni {ni}\nTf 1 1 1\nillum 4"),
+                Finish::Metal(roughness) => writeln!(text, "Pm 1\nPr {roughness}\nillum 2"),
             };
         }
         text

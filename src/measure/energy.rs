@@ -74,9 +74,9 @@ impl Energy {
         };
         let emitted: Vec<f64> = sources.flux(k.mass()).into_iter().map(|flux| unit * flux).collect();
         let absorbed = weigh(&|i, c| (1.0 - k.reflectance()[(i, c)]) * area[i] * irradiance[(i, c)]);
-        let escaped = weigh(&|i, c| PI * k.exchange().escape(i) * l[(i, c)]);
-        let carriers = weigh(&|i, c| PI * k.exchange().absorbed(i) * l[(i, c)]);
-        let lost = weigh(&|i, c| PI * k.exchange().lost(i) * l[(i, c)]);
+        let escaped = weigh(&|i, c| PI * k.exchange_of(c).escape(i) * l[(i, c)]);
+        let carriers = weigh(&|i, c| PI * k.exchange_of(c).absorbed(i) * l[(i, c)]);
+        let lost = weigh(&|i, c| PI * k.exchange_of(c).lost(i) * l[(i, c)]);
         let off = |c: usize| match emitted[c] {
             0.0 => 0.0,
             emitted => ((emitted - absorbed[c] - escaped[c] - carriers[c] - lost[c]) / emitted).abs(),

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{Patches, Slot, Tessellation};
 use crate::progress::Cancelled;
 use crate::scene::{Feature, Side};
-use crate::trace::{Destination, Lamps, Lights, Ray, Tracer, geometry_term, sampling::Sequence};
+use crate::trace::{Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term, sampling::Sequence};
 
 /// Which sides become patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,7 +140,7 @@ impl Patches<'_> {
             let landing = |(ray, point): (Ray, u32)| {
                 // By way of carriers too, and whatever their colour.
                 let numbers = |k: u32| sequence.dimensions(point, k + 1);
-                let passes = |colour: &[f64], _: f64| colour.iter().any(|&part| part > 0.0);
+                let passes = |colour: Tint, _: f64| colour.parts().any(|part| part > 0.0);
                 match tracer.destination(&ray, numbers, passes) {
                     Destination::Diffuse { hit, .. } => {
                         Some(self.slot_at(hit.face as usize, hit.side, hit.barycentrics))
@@ -186,9 +186,9 @@ impl Patches<'_> {
             let sequence = Sequence::new(seed, LIGHT_STREAM + u64::from(slot), 0);
             (0..LAMP_LOOKS).any(|k| {
                 let [s, t, u, v] = sequence.point(k);
-                let mut arrived = vec![0.0; channels];
+                let (mut arrived, mut scratch) = (vec![0.0; channels], vec![0.0; channels]);
                 let from = (facet.point([s, t]), facet.face);
-                lights.add_irradiance(tracer, from, facet.normal, || [u, v], &mut arrived);
+                lights.add_irradiance(tracer, from, facet.normal, || [u, v], [&mut arrived, &mut scratch]);
                 arrived.iter().any(|&x| x > 0.0)
             })
         };

@@ -18,6 +18,12 @@ pub enum Feature {
     Mirror,
     /// Glass and water. Without them they are not there.
     Dielectric,
+    /// Thin glass. Without it it is not there.
+    ThinGlass,
+    /// Rough metals. Without them they are diffuse surfaces of the same reflectance.
+    Gloss,
+    /// What colour mirrors, metals and glass give to light. Without it they are grey, by the mean of their channels.
+    CarrierColour,
     /// Lights without area.
     Lights,
     /// The sky.
@@ -36,17 +42,20 @@ impl Scene {
             // Whoever simulates asks for these two.
             Feature::Interreflection | Feature::BackSides => {}
             Feature::Colour => self.turn_grey(),
-            Feature::Mirror => self.materials.iter_mut().for_each(|material| {
-                if let Surface::Mirror { reflectance } = &material.surface {
-                    *material = Material::diffuse(material.name.clone(), reflectance);
-                }
+            Feature::Mirror | Feature::Gloss => self.materials.iter_mut().for_each(|material| {
+                let reflectance = match (&material.surface, feature) {
+                    (Surface::Mirror { reflectance }, Feature::Mirror) => reflectance,
+                    (Surface::Conductor { reflectance, .. }, Feature::Gloss) => reflectance,
+                    _ => return,
+                };
+                *material = Material::diffuse(material.name.clone(), reflectance);
             }),
-            Feature::Dielectric => {
-                for face in &mut self.faces {
-                    let surface = &self.materials[face.material as usize].surface;
-                    if face.state == FaceState::Kept && matches!(surface, Surface::Dielectric { .. }) {
-                        face.state = FaceState::LeftOut;
-                    }
+            Feature::Dielectric => self.leave_out(|surface| matches!(surface, Surface::Dielectric { .. })),
+            Feature::ThinGlass => self.leave_out(|surface| matches!(surface, Surface::Pane { .. })),
+            Feature::CarrierColour => {
+                for colour in self.materials.iter_mut().filter_map(|material| material.surface.colour_mut()) {
+                    let mean = colour.iter().sum::<f64>() / colour.len() as f64;
+                    colour.fill(mean);
                 }
             }
             Feature::Lights => self.lights.clear(),
@@ -61,6 +70,14 @@ impl Scene {
     /// Whether a feature was left out.
     pub fn is_without(&self, feature: Feature) -> bool {
         self.left_out.contains(&feature)
+    }
+
+    fn leave_out(&mut self, is: impl Fn(&Surface) -> bool) {
+        for face in self.faces.iter_mut().filter(|face| face.state == FaceState::Kept) {
+            if is(&self.materials[face.material as usize].surface) {
+                face.state = FaceState::LeftOut;
+            }
+        }
     }
 
     fn average_textures(&mut self) {

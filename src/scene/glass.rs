@@ -26,8 +26,8 @@ pub(super) fn warn_of_missing_insides(
         if open > 0 {
             warnings.push(format!(
                 "material {}: this glass has no inside: {open} edges of its surface are open or wound both ways; close the mesh with \
-                 all fronts outward, or model a pane by both of its surfaces",
-                material.name
+                 all fronts outward; for a sheet of glass write `[material.{}]` and `thin = true` into the scene's .toml",
+                material.name, material.name
             ));
         } else if volume(&corners) < 0.0 {
             warnings.push(format!(

@@ -4,8 +4,8 @@ use super::{Texture, Textures};
 
 /// How a surface passes light on.
 ///
-/// Mirrors and dielectrics are *carriers*: light goes on from them in one direction or two, so that they are no patches but part of
-/// the way between patches.
+/// Mirrors, dielectrics and conductors are *carriers*: light goes on from them in one direction or two, or in a lobe, so that they are no
+/// patches but part of the way between patches.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
     /// Lambertian: radiance leaves equally in every direction.
@@ -22,31 +22,52 @@ pub enum Surface {
         /// Which part of the light Tf passes at each crossing of the surface, per channel, 0 to 1.
         filter: Vec<f64>,
     },
-    /// Rough conductor or plastic (`Pr`, `Pm`, or `illum 5`): recognised so that a run can name it as not yet simulated; it acts by
-    /// its diffuse reflectance.
-    Glossy,
+    /// Thin glass (`thin = true` for such a dielectric in the scene's `.toml`): a sheet that stands for both of its surfaces. Light goes
+    /// straight through, or is reflected, with all reflections inside.
+    Pane {
+        /// Index of refraction, relative to what lies around it.
+        index: f64,
+        /// Which part of the light is left on one way through, per channel, 0 to 1: Tf² where Tf passes each surface.
+        filter: Vec<f64>,
+    },
+    /// Rough conductor (`Pm` and `Pr`, or `illum 5`), on both sides: light goes on in a lobe around the mirror's direction, GGX with
+    /// all reflections among its facets, so that a white one absorbs nothing.
+    Conductor {
+        /// Reflectance at normal incidence per channel, 0 to 1; towards grazing it rises to 1.
+        reflectance: Vec<f64>,
+        /// Roughness Pr, the root of GGX's α, 0 (a mirror to the eye) to 1.
+        roughness: f64,
+    },
+    /// Plastic (`Pr`, or `illum 5` with Kd): recognised so that a run can name it as not yet simulated; it acts by its diffuse
+    /// reflectance.
+    Plastic,
 }
 
 impl Surface {
     /// Whether light goes on from it without being spread diffusely.
     pub fn is_carrier(&self) -> bool {
-        matches!(self, Self::Mirror { .. } | Self::Dielectric { .. })
+        match self {
+            Self::Mirror { .. } | Self::Dielectric { .. } | Self::Pane { .. } | Self::Conductor { .. } => {
+                true
+            }
+            Self::Diffuse | Self::Plastic => false,
+        }
     }
 
     /// What it does to light's colour, per channel; nothing for surfaces that are no carriers.
     pub fn colour(&self) -> Option<&[f64]> {
         match self {
-            Self::Mirror { reflectance } => Some(reflectance),
-            Self::Dielectric { filter, .. } => Some(filter),
-            Self::Diffuse | Self::Glossy => None,
+            Self::Mirror { reflectance } | Self::Conductor { reflectance, .. } => Some(reflectance),
+            Self::Dielectric { filter, .. } | Self::Pane { filter, .. } => Some(filter),
+            Self::Diffuse | Self::Plastic => None,
         }
     }
 
     pub(super) fn colour_mut(&mut self) -> Option<&mut Vec<f64>> {
         match self {
-            Self::Mirror { reflectance } => Some(reflectance),
-            Self::Dielectric { filter, .. } => Some(filter),
-            Self::Diffuse | Self::Glossy => None,
+            Self::Mirror { reflectance } | Self::Conductor { reflectance, .. } => Some(reflectance),
+            Self::Dielectric { filter, .. } | Self::Pane { filter, .. } => Some(filter),
+            Self::Diffuse | Self::Plastic => None,
         }
     }
 
@@ -57,13 +78,26 @@ impl Surface {
             Self::Mirror { reflectance } => outside(reflectance).map_or(Ok(()), |r| {
                 Err(format!("mirror reflectance {r} (Ks in MTL files) must lie between 0 and 1"))
             }),
-            Self::Dielectric { index, .. } if !(index.is_finite() && *index > 0.0) => Err(format!(
-                "index of refraction {index} (Ni in MTL files) must be positive; glass has 1.5, water 1.33"
+            Self::Conductor { roughness, .. } if !(0.0..=1.0).contains(roughness) => Err(format!(
+                "roughness {roughness} (Pr in MTL files) must lie between 0, a mirror, and 1, the roughest metal"
             )),
-            Self::Dielectric { filter, .. } => outside(filter).map_or(Ok(()), |t| {
-                Err(format!("transmission filter {t} (Tf in MTL files) must lie between 0 and 1"))
+            Self::Conductor { reflectance, .. } => outside(reflectance).map_or(Ok(()), |r| {
+                Err(format!(
+                    "reflectance {r} of a metal (Ks in MTL files, or Kd with Pm) must lie between 0 and 1"
+                ))
             }),
-            Self::Diffuse | Self::Glossy => Ok(()),
+            Self::Dielectric { index, .. } | Self::Pane { index, .. }
+                if !(index.is_finite() && *index > 0.0) =>
+            {
+                Err(format!(
+                    "index of refraction {index} (Ni in MTL files) must be positive; glass has 1.5, water 1.33"
+                ))
+            }
+            Self::Dielectric { filter, .. } | Self::Pane { filter, .. } => outside(filter)
+                .map_or(Ok(()), |t| {
+                    Err(format!("transmission filter {t} (Tf in MTL files) must lie between 0 and 1"))
+                }),
+            Self::Diffuse | Self::Plastic => Ok(()),
         }
     }
 }
@@ -106,9 +140,21 @@ impl Material {
         Self { surface, ..Self::diffuse(name, &vec![0.0; reflectance.len()]) }
     }
 
+    /// A rough conductor of this roughness, 0 to 1, and this reflectance at normal incidence per channel.
+    pub fn conductor(name: impl Into<String>, roughness: f64, reflectance: &[f64]) -> Self {
+        let surface = Surface::Conductor { reflectance: reflectance.to_vec(), roughness };
+        Self { surface, ..Self::diffuse(name, &vec![0.0; reflectance.len()]) }
+    }
+
     /// A smooth dielectric of this index of refraction, which lets this part of the light pass each of its surfaces, per channel.
     pub fn dielectric(name: impl Into<String>, index: f64, filter: &[f64]) -> Self {
         let surface = Surface::Dielectric { index, filter: filter.to_vec() };
+        Self { surface, ..Self::diffuse(name, &vec![0.0; filter.len()]) }
+    }
+
+    /// A sheet of glass of this index of refraction, through which this part of the light goes that enters it, per channel.
+    pub fn pane(name: impl Into<String>, index: f64, filter: &[f64]) -> Self {
+        let surface = Surface::Pane { index, filter: filter.to_vec() };
         Self { surface, ..Self::diffuse(name, &vec![0.0; filter.len()]) }
     }
 
@@ -149,7 +195,7 @@ impl Material {
         }
         if self.surface.is_carrier() && (self.emits() || self.reflects()) {
             return Err(
-                "a mirror or glass neither emits nor reflects diffusely; give that to a material of its own"
+                "a mirror, metal or glass neither emits nor reflects diffusely; give that to a material of its own"
                     .into(),
             );
         }

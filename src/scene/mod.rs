@@ -405,7 +405,7 @@ impl Scene {
         &self.materials[self.faces[face].material as usize]
     }
 
-    /// Whether a face takes part and is a carrier: a mirror or glass.
+    /// Whether a face takes part and is a carrier: a mirror, glass or a rough conductor.
     pub fn is_carrier(&self, face: usize) -> bool {
         self.faces[face].state == FaceState::Kept && self.material_of(face).surface.is_carrier()
     }
@@ -480,9 +480,10 @@ fn check_lights(lights: &[Light], sky: Option<&Sky>, channels: usize) -> Result<
     sky.map_or(Ok(()), |sky| sky.check(channels).map_err(error))
 }
 
-/// Says so where mirrors and glass stand in the way of lights that they should pass on.
+/// Says so where mirrors, metals and glass stand in the way of lights that they should pass on.
 fn warn_of_shadows(lights: &[Light], sky: Option<&Sky>, materials: &[Material], warnings: &mut Vec<String>) {
-    let mut carriers = materials.iter().filter(|material| material.surface.is_carrier()).peekable();
+    let casts = |surface: &Surface| surface.is_carrier() && !matches!(surface, Surface::Pane { .. });
+    let mut carriers = materials.iter().filter(|material| casts(&material.surface)).peekable();
     if carriers.peek().is_some() && (sky.is_some() || !lights.is_empty()) {
         let names: Vec<&str> = carriers.map(|material| material.name.as_str()).collect();
         warnings.push(format!(

@@ -121,9 +121,16 @@ fn value(key: &str, rest: &str) -> Result<String, String> {
             Some([r, g, b]) => Ok(format!("{r:e} {g:e} {b:e}")),
             _ => Err(format!("{key} must be followed by one or three numbers")),
         },
+        "Ns" if numbers(rest).is_some_and(|ns| ns.first().is_some_and(|&ns| ns < 0.0)) => {
+            Err("Ns must not be negative".into())
+        }
         "Ns" | "Ni" | "d" => match numbers(rest).as_deref() {
             Some([number, ..]) => Ok(format!("{number:e}")),
             _ => Err(format!("{key} must be followed by a number")),
+        },
+        "Pr" | "Pm" => match numbers(rest).as_deref() {
+            Some([number, ..]) if (0.0..=1.0).contains(number) => Ok(format!("{number:e}")),
+            _ => Err(format!("{key} must be followed by a number from 0 to 1")),
         },
         "illum" => match rest.split_whitespace().next().and_then(|word| word.parse::<u8>().ok()) {
             Some(model) => Ok(model.to_string()),
@@ -146,22 +153,21 @@ fn material(
     warnings: &mut Vec<String>,
 ) -> Result<Material, SceneError> {
     let has = |key: &str| m.unknown_param.contains_key(key);
+    let is_metal = parameter(m, "Pm").is_some_and(|metal| metal >= 0.5);
+    let is_coloured = m.diffuse.is_some_and(|kd| kd != [0.0; 3]);
     // A picture alone is taken as it is.
     let unsaid = |key: &str| if has(key) { [1.0; 3] } else { [0.0; 3] };
     let emission = m.emissive.unwrap_or(unsaid("map_Ke"));
+    let emits = emission.iter().any(|&e| e > 0.0);
     let surface = match m.illumination_model {
-        Some(3 | 4 | 6 | 7 | 9) if emission.iter().any(|&e| e > 0.0) => {
-            warnings.push(format!(
-                "material {} emits (Ke): taken as a diffuse lamp, not as a mirror or glass; give the glass around a lamp a material \
-                 of its own",
-                m.name
-            ));
-            Surface::Diffuse
-        }
+        Some(3 | 4 | 5 | 6 | 7 | 9) if emits => lamp(m, warnings),
         Some(3) => mirror(m, warnings),
         Some(4 | 6 | 7 | 9) => dielectric(m, warnings),
-        Some(5) => Surface::Glossy,
-        _ if has("Pr") || has("Pm") => Surface::Glossy,
+        _ if is_metal && emits => lamp(m, warnings),
+        _ if is_metal => metal(m, m.diffuse, warnings),
+        Some(5) if !is_coloured => metal(m, m.specular, warnings),
+        Some(5) => Surface::Plastic,
+        _ if has("Pr") || has("Pm") => Surface::Plastic,
         _ => Surface::Diffuse,
     };
     let has_picture = m.diffuse_texture.is_some();
@@ -191,7 +197,9 @@ fn material(
         textures.emission = picture("map_Ke", m.unknown_param.get("map_Ke"), emission)?;
     }
     if surface.is_carrier() && kd != [0.0; 3] {
-        warnings.push(format!("material {} is a mirror or glass (illum): its Kd is ignored", m.name));
+        if !is_metal {
+            warnings.push(format!("material {} is a mirror or glass (illum): its Kd is ignored", m.name));
+        }
         kd = [0.0; 3];
     }
     Ok(Material {
@@ -201,6 +209,50 @@ fn material(
         surface,
         textures,
     })
+}
+
+/// A number that `tobj` does not know.
+fn parameter(m: &tobj::Material, key: &str) -> Option<f64> {
+    m.unknown_param.get(key).and_then(|rest| numbers(rest)).and_then(|numbers| numbers.first().copied())
+}
+
+/// What emits is diffuse.
+fn lamp(m: &tobj::Material, warnings: &mut Vec<String>) -> Surface {
+    warnings.push(format!(
+        "material {} emits (Ke): taken as a diffuse lamp, not as a mirror, metal or glass; give the glass around a lamp a material of \
+         its own",
+        m.name
+    ));
+    Surface::Diffuse
+}
+
+/// A rough conductor of this reflectance, Ks or Kd.
+fn metal(m: &tobj::Material, reflectance: Option<[f64; 3]>, warnings: &mut Vec<String>) -> Surface {
+    if reflectance.is_none() {
+        warnings.push(format!(
+            "material {} is a metal without colour (Ks, or Kd with Pm): taken to reflect everything",
+            m.name
+        ));
+    }
+    if parameter(m, "Pm").is_some_and(|metal| (0.5..1.0).contains(&metal)) {
+        warnings.push(format!(
+            "material {} is metal in part (Pm): taken as metal; Pm below 0.5 makes it plastic",
+            m.name
+        ));
+    }
+    // The highlight of Ns is about as wide as that of α² = 2/(Ns + 2) (Walter et al. 2007, sec. 5.2).
+    let of_exponent = |ns: f64| (2.0 / (ns.max(0.0) + 2.0)).powf(0.25);
+    let roughness = parameter(m, "Pr").or(m.shininess.map(of_exponent));
+    if roughness.is_none() {
+        warnings.push(format!(
+            "material {} is a metal without roughness (Pr or Ns): its Pr is taken as 0.3",
+            m.name
+        ));
+    }
+    Surface::Conductor {
+        reflectance: reflectance.unwrap_or([1.0; 3]).to_vec(),
+        roughness: roughness.unwrap_or(0.3),
+    }
 }
 
 fn mirror(m: &tobj::Material, warnings: &mut Vec<String>) -> Surface {

@@ -57,6 +57,11 @@ struct ReceiverSettings {
 struct MaterialSettings {
     reflectance: Option<Colour>,
     emission: Option<Colour>,
+    /// Of rough conductors, 0 to 1.
+    roughness: Option<f64>,
+    /// Whether glass is a sheet, and not the surface of a solid.
+    #[serde(default)]
+    thin: bool,
 }
 
 /// One number for every channel, or one each.
@@ -115,12 +120,31 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
         let Some(material) = parts.materials.iter_mut().find(|m| m.name == name) else {
             return Err(wrong("no face or library has it; remove it or correct its name".into()));
         };
-        let MaterialSettings { reflectance, emission } = given.get_ref();
+        let MaterialSettings { reflectance, emission, roughness, thin } = given.get_ref();
         if let Some(reflectance) = reflectance {
             match &mut material.surface {
                 Surface::Mirror { reflectance: mirrored } => *mirrored = reflectance.channels(),
+                Surface::Conductor { reflectance: reflected, .. } => *reflected = reflectance.channels(),
                 _ => material.reflectance = reflectance.channels(),
             }
+        }
+        if *thin {
+            let Surface::Dielectric { index, filter } = &material.surface else {
+                let message =
+                    "only glass is thin; make it glass by `illum 4` in the MTL file, or remove `thin`";
+                return Err(wrong(message.into()));
+            };
+            // Light crosses both of its surfaces.
+            let filter = filter.iter().map(|part| part * part).collect();
+            material.surface = Surface::Pane { index: *index, filter };
+        }
+        if let Some(given) = roughness {
+            let Surface::Conductor { roughness, .. } = &mut material.surface else {
+                let message =
+                    "only metals have a roughness; make it one by `Pm 1` in the MTL file, or remove it";
+                return Err(wrong(message.into()));
+            };
+            *roughness = *given;
         }
         if let Some(emission) = emission {
             material.emission = emission.channels();

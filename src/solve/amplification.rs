@@ -71,7 +71,7 @@ impl Amplification {
         let mut through = DMatrix::zeros(k.len(), k.channels());
         let ends = ends_of_spectrum(start, |x| {
             progress.at("solve", 0.0)?;
-            k.exchange().apply(&root.times(x), &mut through);
+            k.through(&root.times(x), &mut through);
             Ok::<_, SolveError>(root.times(&through))
         })?;
         let inverse_norm = most_reflected.iter().zip(&ends).map(|(&rho, &[_, eigenvalue])| {

@@ -63,7 +63,7 @@ pub(super) fn iterate(
     let root = Root::new(k);
     let goal: Vec<f64> = e.column_iter().map(|column| options.tolerance * column.amax()).collect();
     let mut through = DMatrix::zeros(n, channels);
-    k.exchange().apply(e, &mut through);
+    k.through(e, &mut through);
     let mut passes = 1;
     let mut r = root.times(&through);
     let mut y = DMatrix::zeros(n, channels);
@@ -82,7 +82,7 @@ pub(super) fn iterate(
         }
         options.progress.at("solve", (1.0 - worst.ln() / worst_at_start.ln()).clamp(0.0, 0.99))?;
         // q = (I − RSR) p
-        k.exchange().apply(&root.times(&p), &mut through);
+        k.through(&root.times(&p), &mut through);
         passes += 1;
         let q = &p - root.times(&through);
         for c in 0..channels {

@@ -1,7 +1,8 @@
 //! The direct solver: Cholesky factors of the symmetric form.
 //!
 //! With R = √ρ M^(−½), the matrix I − R S R is symmetric positive definite, has a unit scale whatever the patch areas, and
-//! does not mind ρ = 0. It is factored once per distinct ρ; channels with the same reflectances share their factor.
+//! does not mind ρ = 0. It is factored once per distinct ρ; channels with the same reflectances share their factor,
+//! unless coloured carriers make their exchange areas differ.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
@@ -53,7 +54,7 @@ fn split() -> Par {
 /// `Memory`, `Singular` or `Cancelled`.
 pub fn direct<'k>(k: &'k Transport<'k>, options: &DirectOptions) -> Result<Direct<'k>, SolveError> {
     let n = k.len();
-    let (factor_of, distinct) = distinct_channels(k.reflectance());
+    let (factor_of, distinct) = distinct_channels(k);
     let needed = factor_bytes(k);
     if needed > options.memory {
         return Err(SolveError::Memory { n, needed, limit: options.memory });
@@ -99,25 +100,26 @@ impl Direct<'_> {
 
 /// Whether the direct solver fits into `memory` and takes no more than a second or two.
 pub(crate) fn is_quick(k: &Transport, memory: u64) -> bool {
-    is_quickly_factored(k.len(), distinct_channels(k.reflectance()).1.len(), memory)
+    is_quickly_factored(k.len(), distinct_channels(k).1.len(), memory)
 }
 
 /// Bytes that the factors take.
 pub(crate) fn factor_bytes(k: &Transport) -> u64 {
-    8 * (k.len() as u64).pow(2) * distinct_channels(k.reflectance()).1.len() as u64
+    8 * (k.len() as u64).pow(2) * distinct_channels(k).1.len() as u64
 }
 
 /// For each channel the index of its factor, and for each factor its first channel.
-fn distinct_channels(reflectance: &DMatrix<f64>) -> (Vec<usize>, Vec<usize>) {
+fn distinct_channels(k: &Transport) -> (Vec<usize>, Vec<usize>) {
+    let reflectance = k.reflectance();
+    let alike =
+        |a: usize, b: usize| reflectance.column(a) == reflectance.column(b) && k.tone_of(a) == k.tone_of(b);
     let mut distinct: Vec<usize> = Vec::new();
     let factor_of = (0..reflectance.ncols())
         .map(|c| {
-            distinct.iter().position(|&d| reflectance.column(d) == reflectance.column(c)).unwrap_or_else(
-                || {
-                    distinct.push(c);
-                    distinct.len() - 1
-                },
-            )
+            distinct.iter().position(|&d| alike(d, c)).unwrap_or_else(|| {
+                distinct.push(c);
+                distinct.len() - 1
+            })
         })
         .collect();
     (factor_of, distinct)
@@ -153,7 +155,7 @@ fn back_substitute(
 ) -> DMatrix<f64> {
     let n = k.len();
     let mut y = DMatrix::zeros(n, e.ncols());
-    k.exchange().apply(e, &mut y);
+    k.through(e, &mut y);
     let mut y = root.times(&y);
     for (c, &f) in factor_of.iter().enumerate() {
         let scratch = llt::solve::solve_in_place_scratch::<f64>(n, 1, split());

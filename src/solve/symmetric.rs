@@ -41,7 +41,7 @@ impl<'k> Root<'k> {
         matrix.as_mut_slice().par_chunks_mut(each * n).enumerate().for_each(|(patch, columns)| {
             for (a, column) in columns.chunks_mut(n).enumerate() {
                 let j = each * patch + a;
-                self.k.exchange().for_row(j, |i, exchange| column[i] -= s[i] * exchange * s[j]);
+                self.k.exchange_of(channel).for_row(j, |i, exchange| column[i] -= s[i] * exchange * s[j]);
                 // From the left ...
                 self.k.mass().inverse_root(column);
             }

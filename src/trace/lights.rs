@@ -137,36 +137,51 @@ impl Lights {
         }
     }
 
-    /// Whether a beam gets to a point of a face.
+    /// Whether a beam gets to a point of a face; `parts` is multiplied by what thin glass leaves of it, per channel.
     #[inline]
-    pub fn arrives(&self, tracer: &Tracer, beam: &Beam, (point, face): (DVec3, u32)) -> bool {
+    pub fn arrives(
+        &self,
+        tracer: &Tracer,
+        beam: &Beam,
+        (point, face): (DVec3, u32),
+        parts: &mut [f64],
+    ) -> bool {
         let ray = Ray { origin: point, direction: beam.direction, from: face };
-        tracer.is_clear(&ray, beam.distance)
+        tracer.passes(&ray, beam.distance, parts)
     }
 
     /// Adds to `irradiance` (per channel, W·m⁻²) what reaches a point of a face's side, by one beam from each light and one from the
-    /// sky; unbiased. `random` gives numbers for each.
+    /// sky; unbiased. `random` gives numbers for each; `scratch` has a value a channel.
     pub fn add_irradiance(
         &self,
         tracer: &Tracer,
         (point, face): (DVec3, u32),
         normal: DVec3,
         mut random: impl FnMut() -> [f64; 2],
-        irradiance: &mut [f64],
+        [irradiance, scratch]: [&mut [f64]; 2],
     ) {
         for light in 0..self.len() {
             let beam = self.beam(light, point, random());
             let weight = beam.density * beam.share * normal.dot(beam.direction);
-            if weight > 0.0 && weight.is_finite() && self.arrives(tracer, &beam, (point, face)) {
-                irradiance.iter_mut().zip(self.power(light)).for_each(|(sum, power)| *sum += weight * power);
+            scratch.fill(1.0);
+            if weight > 0.0 && weight.is_finite() && self.arrives(tracer, &beam, (point, face), scratch) {
+                let powers = self.power(light).iter().zip(&*scratch);
+                irradiance
+                    .iter_mut()
+                    .zip(powers)
+                    .for_each(|(sum, (power, part))| *sum += weight * power * part);
             }
         }
         if let Some(sky) = &self.sky {
             let beam = sky.sample(normal, random());
             let ray = Ray { origin: point, direction: beam.direction, from: face };
-            if beam.weight > 0.0 && tracer.is_clear(&ray, f64::INFINITY) {
-                let channels = irradiance.iter_mut().zip(sky.zenith()).enumerate();
-                channels.for_each(|(c, (sum, zenith))| *sum += beam.weight * beam.tint(c) * zenith);
+            scratch.fill(1.0);
+            if beam.weight > 0.0 && tracer.passes(&ray, f64::INFINITY, scratch) {
+                let zenith = sky.zenith().iter().zip(&*scratch).enumerate();
+                let sums = irradiance.iter_mut().zip(zenith);
+                sums.for_each(|(sum, (c, (zenith, part)))| {
+                    *sum += beam.weight * beam.tint(c) * zenith * part
+                });
             }
         }
     }

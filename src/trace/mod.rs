@@ -10,6 +10,7 @@
 mod bvh;
 mod convex;
 mod environment;
+mod gloss;
 mod lamps;
 mod lights;
 pub mod sampling;
@@ -19,12 +20,13 @@ mod triangle;
 
 use glam::DVec3;
 
-use crate::scene::{FaceState, Scene, Side};
+use crate::scene::{FaceState, Scene, Side, Surface};
 use bvh::Bvh;
 pub use convex::{Enclosure, NotConvex};
+use gloss::Gloss;
 pub use lamps::{LampPoint, LampView, Lamps, form_factor_to_triangle, geometry_term};
 pub use lights::{Beam, Lights, solid_angle};
-pub use scatter::{Destination, Scattered, fresnel};
+pub use scatter::{Destination, Glossy, Scattered, Tint, fresnel};
 pub use sky::{SkyBeam, SkySampler};
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.
@@ -101,6 +103,10 @@ pub struct Tracer<'s> {
     normals: Vec<DVec3>,
     /// Per face whether it is a carrier; empty where none is.
     carriers: Vec<bool>,
+    /// Per material what makes it a rough conductor; empty where none is.
+    gloss: Vec<Option<Gloss<'s>>>,
+    /// Whether some face is of thin glass.
+    has_panes: bool,
     bvh: Bvh,
 }
 
@@ -119,7 +125,9 @@ impl<'s> Tracer<'s> {
         if !carriers.contains(&true) {
             carriers = Vec::new();
         }
-        Self { scene, frame, corners, normals, carriers, bvh }
+        let is_pane = |&f: &u32| matches!(scene.material_of(f as usize).surface, Surface::Pane { .. });
+        let has_panes = kept.iter().any(is_pane);
+        Self { scene, frame, corners, normals, carriers, gloss: gloss_of(scene), has_panes, bvh }
     }
 
     /// The scene whose faces these are.
@@ -145,7 +153,15 @@ impl<'s> Tracer<'s> {
         }
     }
 
-    /// Whether a face passes light on as a mirror or as glass.
+    /// Where a ray met a face, normalised frame.
+    #[inline]
+    fn point(&self, hit: &Hit) -> DVec3 {
+        let [a, b, c] = self.corners[hit.face as usize];
+        let [u, v] = hit.barycentrics;
+        a + (b - a) * u + (c - a) * v
+    }
+
+    /// Whether a face passes light on as a mirror, glass or a rough conductor.
     #[inline]
     pub fn is_carrier(&self, face: u32) -> bool {
         self.carriers.get(face as usize).is_some_and(|&carrier| carrier)
@@ -154,6 +170,11 @@ impl<'s> Tracer<'s> {
     /// Whether any face does.
     pub fn has_carriers(&self) -> bool {
         !self.carriers.is_empty()
+    }
+
+    /// Whether any face is of rough metal.
+    pub fn has_rough_metal(&self) -> bool {
+        !self.gloss.is_empty()
     }
 
     /// The first face that the ray meets, if any. Equally near faces: the lower number.
@@ -172,4 +193,17 @@ impl<'s> Tracer<'s> {
     pub fn is_clear(&self, ray: &Ray, distance: f64) -> bool {
         !self.bvh.any_hit(ray, Ray::FREE, distance - SKIN)
     }
+}
+
+/// What makes each material a rough conductor; nothing at all where none is.
+fn gloss_of(scene: &Scene) -> Vec<Option<Gloss<'_>>> {
+    let is_rough = |surface: &Surface| matches!(surface, Surface::Conductor { .. });
+    if !scene.materials().iter().any(|material| is_rough(&material.surface)) {
+        return Vec::new();
+    }
+    let of = |surface| match surface {
+        &Surface::Conductor { ref reflectance, roughness } => Some(Gloss::new(roughness, reflectance)),
+        _ => None,
+    };
+    scene.materials().iter().map(|material| of(&material.surface)).collect()
 }

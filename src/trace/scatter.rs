@@ -1,24 +1,114 @@
-//! Scatter: what mirrors and glass do with a ray.
+//! Scatter: what mirrors, glass and rough conductors do with a ray.
 //!
 //! A mirror sends it on in one direction, r = d − 2(d·n)n. Smooth glass reflects the part F of its power and refracts the rest
 //! (Snell 1621, Fresnel 1823); beyond the critical angle F = 1. Which of the two a random ray takes is chosen with their own
-//! probabilities F and 1 − F, so that the ray keeps its weight.
+//! probabilities F and 1 − F, so that the ray keeps its weight. A sheet of thin glass does the same but lets rays go straight on. A rough conductor spreads it over a lobe, of which a random ray takes one
+//! direction.
 
-use super::{Hit, Ray, Tracer};
+use glam::DVec3;
+
+use super::gloss::Gloss;
+use super::sampling::frame_around;
+use super::{Hit, Ray, SKIN, Tracer};
 use crate::scene::{Side, Surface};
 
 /// A ray that has met more carriers than this is given up as lost.
 const LONGEST: u32 = 256;
 
+/// Which part of light a carrier passes on, per channel: c + (1 − c)·w of a colour c, where w leads from c to white.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tint<'t> {
+    colour: &'t [f64],
+    white: f64,
+}
+
+impl<'t> Tint<'t> {
+    /// The colour itself.
+    pub fn of(colour: &'t [f64]) -> Self {
+        Self { colour, white: 0.0 }
+    }
+
+    /// A colour, the part `white` of the way to white.
+    pub fn towards_white(colour: &'t [f64], white: f64) -> Self {
+        Self { colour, white }
+    }
+
+    /// Number of channels.
+    #[inline]
+    pub fn channels(self) -> usize {
+        self.colour.len()
+    }
+
+    /// The part of one channel, 0 to 1.
+    #[inline]
+    pub fn part(self, channel: usize) -> f64 {
+        let colour = self.colour[channel];
+        colour + (1.0 - colour) * self.white
+    }
+
+    /// The part of every channel.
+    #[inline]
+    pub fn parts(self) -> impl Iterator<Item = f64> + 't {
+        self.colour.iter().map(move |colour| colour + (1.0 - colour) * self.white)
+    }
+
+    /// The mean of all channels.
+    #[inline]
+    pub fn mean(self) -> f64 {
+        self.parts().sum::<f64>() / self.colour.len() as f64
+    }
+}
+
 /// One way on from a carrier.
 #[derive(Clone, Copy, Debug)]
-pub struct Scattered<'s> {
+pub struct Scattered<'t> {
     /// The ray that goes on.
     pub ray: Ray,
-    /// Which part of the power goes this way, before `colour`.
+    /// Which part of the power goes this way, before `colour`; of rough conductors, which send it everywhere, all.
     pub share: f64,
-    /// Which part of that goes on, per channel; none where all of it does.
-    pub colour: Option<&'s [f64]>,
+    /// Which part of that goes on; none where all of it does.
+    pub colour: Option<Tint<'t>>,
+}
+
+/// A rough conductor where a ray meets it.
+#[derive(Clone, Copy, Debug)]
+pub struct Glossy<'t> {
+    gloss: &'t Gloss<'t>,
+    /// The point, normalised frame.
+    point: DVec3,
+    face: u32,
+    /// The normal of the side that was met.
+    normal: DVec3,
+    /// The direction the light comes from.
+    from: DVec3,
+}
+
+impl<'t> Glossy<'t> {
+    /// The point, normalised frame.
+    pub fn point(&self) -> DVec3 {
+        self.point
+    }
+
+    /// The way on by random numbers, with density [`Glossy::density`]; `more` gives further numbers.
+    pub fn sample(&self, random: [f64; 3], more: impl FnOnce() -> [f64; 4]) -> Scattered<'t> {
+        let frame = frame_around(self.normal);
+        let (towards, tint) = self.gloss.sample(frame.transpose() * self.from, random, more);
+        let direction = (frame * towards).normalize();
+        let ray = Ray { origin: self.point, direction, from: self.face };
+        Scattered { ray, share: 1.0, colour: Some(tint) }
+    }
+
+    /// Density of [`Glossy::sample`] in a direction, per unit solid angle.
+    pub fn density(&self, direction: DVec3) -> f64 {
+        let inverse = frame_around(self.normal).transpose();
+        self.gloss.density(inverse * self.from, inverse * direction)
+    }
+
+    /// BSDF times cosine towards a direction, as two parts: what a white conductor would have, and which part of that goes on.
+    pub fn reflected(&self, direction: DVec3) -> [(f64, Tint<'t>); 2] {
+        let inverse = frame_around(self.normal).transpose();
+        self.gloss.parts(inverse * self.from, inverse * direction)
+    }
 }
 
 /// Where a ray ends once carriers have passed it on.
@@ -40,24 +130,33 @@ pub enum Destination {
 }
 
 impl<'s> Tracer<'s> {
-    /// The way on from a carrier that `ray` meets at `hit`, reflected, and the one refracted where there is one; their shares sum to 1.
+    /// The rough conductor that `ray` meets at `hit`, if it is one.
+    #[inline]
+    pub fn glossy(&self, ray: &Ray, hit: &Hit) -> Option<Glossy<'_>> {
+        let face = hit.face as usize;
+        let material = self.scene.faces()[face].material as usize;
+        let gloss = self.gloss.get(material)?.as_ref()?;
+        let normal = self.normal(face, hit.side);
+        Some(Glossy { gloss, point: self.point(hit), face: hit.face, normal, from: -ray.direction })
+    }
+
+    /// The way on from a mirror or glass that `ray` meets at `hit`, reflected, and the one refracted where there is one; their shares
+    /// sum to 1.
     ///
     /// # Panics
-    /// If the face is no carrier.
+    /// If the face is neither.
     pub fn ways_on(&self, ray: &Ray, hit: &Hit) -> (Scattered<'s>, Option<Scattered<'s>>) {
         let face = hit.face as usize;
-        let [a, b, c] = self.corners[face];
-        let [u, v] = hit.barycentrics;
-        let origin = a + (b - a) * u + (c - a) * v;
+        let origin = self.point(hit);
         let normal = self.normal(face, hit.side);
         let cosine = -ray.direction.dot(normal);
-        let way = |direction: glam::DVec3, share, colour| {
+        let way = |direction: DVec3, share, colour| {
             let ray = Ray { origin, direction: direction.normalize(), from: hit.face };
             Scattered { ray, share, colour }
         };
         let reflected = ray.direction + normal * (2.0 * cosine);
         match &self.scene.material_of(face).surface {
-            Surface::Mirror { reflectance } => (way(reflected, 1.0, Some(reflectance)), None),
+            Surface::Mirror { reflectance } => (way(reflected, 1.0, Some(Tint::of(reflectance))), None),
             Surface::Dielectric { index, filter } => {
                 let ratio = if hit.side == Side::Front { *index } else { 1.0 / index };
                 // Snell: sin θ = ratio · sin θ′.
@@ -67,29 +166,75 @@ impl<'s> Tracer<'s> {
                 }
                 let share = fresnel(cosine, ratio);
                 let refracted = (ray.direction + normal * cosine) / ratio - normal * inside.sqrt();
-                (way(reflected, share, None), Some(way(refracted, 1.0 - share, Some(filter))))
+                (way(reflected, share, None), Some(way(refracted, 1.0 - share, Some(Tint::of(filter)))))
             }
-            Surface::Diffuse | Surface::Glossy => panic!("face {face} is no carrier"),
+            Surface::Pane { index, filter } => {
+                // R of either surface, and all reflections between them: R + fR(1 − R)/(1 + R) back and f(1 − R)/(1 + R) through, for
+                // what goes in crosses two surfaces on either way and is dimmed by f.
+                let once = fresnel(cosine, *index);
+                let through = (1.0 - once) / (1.0 + once);
+                let back = Tint::towards_white(filter, 0.5 * (1.0 + once));
+                let second = way(ray.direction, through, Some(Tint::of(filter)));
+                (way(reflected, 1.0 - through, Some(back)), Some(second))
+            }
+            Surface::Diffuse | Surface::Conductor { .. } | Surface::Plastic => {
+                panic!("face {face} is neither mirror nor glass")
+            }
         }
     }
 
-    /// One of the ways on, drawn with its share by a random number `chance`.
+    /// One of the ways on from a carrier, drawn with its share. The first random number chooses among the ways of mirrors and glass; rough
+    /// conductors use all three, and `more` where these do not suffice.
     #[inline]
-    pub fn scatter(&self, ray: &Ray, hit: &Hit, chance: f64) -> Scattered<'s> {
+    pub fn scatter(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        random: [f64; 3],
+        more: impl FnOnce() -> [f64; 4],
+    ) -> Scattered<'_> {
+        if let Some(glossy) = self.glossy(ray, hit) {
+            return glossy.sample(random, more);
+        }
         let (first, second) = self.ways_on(ray, hit);
-        second.filter(|_| chance >= first.share).unwrap_or(first)
+        second.filter(|_| random[0] >= first.share).unwrap_or(first)
+    }
+
+    /// Whether light gets along a ray to this distance (normalised, or infinite) straight, through thin glass where it stands in the way;
+    /// `parts` is multiplied by what that leaves of it, per channel.
+    #[inline]
+    pub fn passes(&self, ray: &Ray, distance: f64, parts: &mut [f64]) -> bool {
+        if self.has_panes { self.passes_panes(ray, distance, parts) } else { self.is_clear(ray, distance) }
+    }
+
+    fn passes_panes(&self, ray: &Ray, mut distance: f64, parts: &mut [f64]) -> bool {
+        let mut ray = *ray;
+        for _ in 0..LONGEST {
+            let Some(hit) = self.closest_hit(&ray).filter(|hit| hit.distance < distance - SKIN) else {
+                return true;
+            };
+            if !matches!(self.scene.material_of(hit.face as usize).surface, Surface::Pane { .. }) {
+                return false;
+            }
+            let Some(through) = self.ways_on(&ray, &hit).1 else { return false };
+            let tints = through.colour.into_iter().flat_map(Tint::parts);
+            parts.iter_mut().zip(tints).for_each(|(part, tint)| *part *= through.share * tint);
+            distance -= hit.distance;
+            ray = through.ray;
+        }
+        false
     }
 
     /// Follows a ray, by one way at every carrier, until it meets a diffuse surface or ends elsewhere.
     ///
-    /// `numbers(k)` gives random numbers for the k-th carrier. `survives(colour, chance)` decides, by another of them, whether the ray goes on
-    /// where that part of its power does.
+    /// `numbers(k)` gives random numbers, k counting from 0: four for every carrier, and sometimes four more. `survives(colour, chance)` decides, by
+    /// another of them, whether the ray goes on where that part of its power does.
     #[inline]
     pub fn destination(
         &self,
         ray: &Ray,
         numbers: impl FnMut(u32) -> [f64; 4],
-        survives: impl FnMut(&[f64], f64) -> bool,
+        survives: impl FnMut(Tint, f64) -> bool,
     ) -> Destination {
         match self.closest_hit(ray) {
             None => Destination::Away(*ray),
@@ -103,12 +248,17 @@ impl<'s> Tracer<'s> {
         ray: &Ray,
         mut hit: Hit,
         mut numbers: impl FnMut(u32) -> [f64; 4],
-        mut survives: impl FnMut(&[f64], f64) -> bool,
+        mut survives: impl FnMut(Tint, f64) -> bool,
     ) -> Destination {
         let mut ray = *ray;
-        for k in 0..LONGEST {
-            let [way, life, ..] = numbers(k);
-            let scattered = self.scatter(&ray, &hit, way);
+        let mut taken = 0;
+        let mut next_numbers = || {
+            taken += 1;
+            numbers(taken - 1)
+        };
+        for _ in 0..LONGEST {
+            let [way, life, u, v] = next_numbers();
+            let scattered = self.scatter(&ray, &hit, [way, u, v], &mut next_numbers);
             if scattered.colour.is_some_and(|colour| !survives(colour, life)) {
                 return Destination::Absorbed;
             }
@@ -193,11 +343,12 @@ mod tests {
         let tracer = Tracer::new(&scene);
         for d in [DVec3::new(0.6, 0.0, -0.8), DVec3::new(0.2, -0.3, 0.5).normalize()] {
             let (ray, hit) = towards(&tracer, d);
-            let way = tracer.scatter(&ray, &hit, 0.5);
+            let way = tracer.scatter(&ray, &hit, [0.5; 3], || [0.5; 4]);
             assert!((way.ray.direction - DVec3::new(d.x, d.y, -d.z)).length() < 1e-15);
-            assert_eq!((way.share, way.colour), (1.0, Some(&[0.8][..])));
+            assert_eq!((way.share, way.colour), (1.0, Some(Tint::of(&[0.8]))));
             let (ray, hit) = towards(&tracer, -way.ray.direction);
-            assert!((tracer.scatter(&ray, &hit, 0.5).ray.direction + d).length() < 1e-15);
+            let back = tracer.scatter(&ray, &hit, [0.5; 3], || [0.5; 4]);
+            assert!((back.ray.direction + d).length() < 1e-15);
         }
     }
 
@@ -231,7 +382,8 @@ mod tests {
         let share = tracer.ways_on(&ray, &hit).0.share;
         let n = 10_000;
         let reflected = (0..n).filter(|&k| {
-            tracer.scatter(&ray, &hit, (f64::from(k) + 0.5) / f64::from(n)).ray.direction.z > 0.0
+            let chance = (f64::from(k) + 0.5) / f64::from(n);
+            tracer.scatter(&ray, &hit, [chance; 3], || [0.5; 4]).ray.direction.z > 0.0
         });
         assert!((reflected.count() as f64 / f64::from(n) - share).abs() < 1e-4);
     }

@@ -69,8 +69,14 @@ impl Outcome {
     }
 }
 
-/// Sums up what the rows of all patches found; without batch `left_out`, if there is one.
-pub(super) fn assemble(rows: &Rows, patches: &Patches, kind: StorageKind, left_out: Option<u32>) -> Raw {
+/// Sums up what the rows of all patches found in a tone; without batch `left_out`, if there is one.
+pub(super) fn assemble(
+    rows: &Rows,
+    patches: &Patches,
+    tone: usize,
+    kind: StorageKind,
+    left_out: Option<u32>,
+) -> Raw {
     let n = patches.len();
     let is_lamp = |i: usize| {
         let place = patches.place(i);
@@ -78,9 +84,9 @@ pub(super) fn assemble(rows: &Rows, patches: &Patches, kind: StorageKind, left_o
     };
     let is_lamp: Vec<bool> = (0..n).map(is_lamp).collect();
     if rows.recipe.basis == Basis::Linear {
-        return moments::assemble(rows, patches, kind, left_out, &is_lamp);
+        return moments::assemble(rows, patches, tone, kind, left_out, &is_lamp);
     }
-    let finder = Finder { rows, patches, is_lamp: &is_lamp, left_out };
+    let finder = Finder { rows, patches, tone, is_lamp: &is_lamp, left_out };
     let (parts, leaving): (Vec<Vec<Part>>, Vec<[f64; 3]>) =
         (0..n).into_par_iter().map(|i| finder.found_by(i)).unzip();
     let storage = match kind.resolve(n, &parts) {
@@ -103,6 +109,7 @@ type Part = (u32, f64);
 struct Finder<'a> {
     rows: &'a Rows,
     patches: &'a Patches<'a>,
+    tone: usize,
     is_lamp: &'a [bool],
     left_out: Option<u32>,
 }
@@ -122,11 +129,11 @@ impl Finder<'_> {
             return (Vec::new(), leaving);
         };
         let batch_size = row.landings.len() / BATCHES as usize;
-        let batches =
-            row.landings.chunks(batch_size).zip(0..).filter(|&(_, batch)| Some(batch) != self.left_out);
+        let batches = (0..BATCHES).filter(|&batch| Some(batch) != self.left_out);
+        let batches = batches.map(|batch| batch as usize * batch_size..(batch as usize + 1) * batch_size);
         let (mut rays, mut left, mut carried_to_lamps) = (0.0, [0.0; 3], Vec::new());
         let mut sorted: Vec<u32> = Vec::with_capacity(row.landings.len());
-        for &end in batches.flat_map(|(landings, _)| landings) {
+        for end in batches.flat_map(|range| row.ends(range, self.tone)) {
             rays += 1.0;
             match Outcome::of(end, self.patches) {
                 Outcome::Left(kind) => left[kind] += 1.0,
@@ -164,7 +171,7 @@ impl Finder<'_> {
         };
         lamps.extend(carried_to_lamps.into_iter().map(by_carriers));
         if !self.is_lamp[i] {
-            let caustics = self.rows.caustics.of(row.slot).iter().filter(|c| Some(c.batch) != self.left_out);
+            let caustics = self.rows.caustics.of(row.slot, self.tone, self.left_out);
             lamps.extend(caustics.filter_map(|c| self.patches.patch_of_slot(c.lamp)).map(by_carriers));
         }
         lamps.sort_by_key(|part| part.0);

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::landing::Spot;
 use super::rays::end_of;
 use super::recipe::{BATCHES, Recipe};
+use super::tones::{Survivors, Tones};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::trace::{Tracer, sampling, sampling::Sequence};
@@ -31,7 +32,9 @@ pub(super) struct Caustic {
     pub receiver: u32,
     /// The lamp patch's slot.
     pub lamp: u32,
-    pub batch: u32,
+    pub batch: u16,
+    /// The tones in which it did.
+    pub survivors: Survivors,
     /// Where on the receiver and on the lamp patch it ends; of no account for constant elements.
     pub ends: [Spot; 2],
 }
@@ -52,7 +55,7 @@ impl Caustics {
         patches: &Patches,
         lamps: &[u32],
         is_lamp: impl Fn(u32) -> bool + Sync,
-        recipe: Recipe,
+        (recipe, tones): (Recipe, &Tones),
         progress: Progress,
     ) -> Result<Self, Cancelled> {
         if lamps.is_empty() || !tracer.has_carriers() {
@@ -65,11 +68,11 @@ impl Caustics {
         let shoot = |&lamp: &u32| {
             let facet = patches.facet(tracer, lamp);
             let mut found = Vec::new();
-            for batch in 0..BATCHES {
+            for batch in 0..BATCHES as u16 {
                 let (sequence, points) =
                     Sequence::stretch(recipe.seed, STREAM, lamp, u64::from(batch), per_batch);
                 for (ray, point) in facet.rays(sequence, points.clone()).zip(points) {
-                    let (end, hit) = end_of(tracer, patches, &ray, (sequence, point));
+                    let (end, survivors, hit) = end_of(tracer, patches, &ray, (sequence, point), tones);
                     let receiver = end.slot().filter(|&slot| end.is_carried() && !is_lamp(slot));
                     if let Some((receiver, hit)) = receiver.zip(hit) {
                         let ends = match recipe.basis {
@@ -83,7 +86,7 @@ impl Caustics {
                                 .map(Spot::at)
                             }
                         };
-                        found.push(Caustic { receiver, lamp, batch, ends });
+                        found.push(Caustic { receiver, lamp, batch, survivors, ends });
                     }
                 }
             }
@@ -104,11 +107,14 @@ impl Caustics {
         (self.shots, &self.found)
     }
 
-    /// What was found of one receiver.
-    pub fn of(&self, receiver: u32) -> &[Caustic] {
+    /// What was found of one receiver in a tone, less what was found by batch `left_out`.
+    pub fn of(&self, receiver: u32, tone: usize, left_out: Option<u32>) -> impl Iterator<Item = &Caustic> {
         let start = self.found.partition_point(|caustic| caustic.receiver < receiver);
         let end = self.found.partition_point(|caustic| caustic.receiver <= receiver);
-        &self.found[start..end]
+        let counts = move |caustic: &&Caustic| {
+            Some(u32::from(caustic.batch)) != left_out && caustic.survivors.contain(tone)
+        };
+        self.found[start..end].iter().filter(counts)
     }
 
     /// What a ray of either kind between a receiver and a lamp patch is worth, by their areas: N of the receiver's `rays` and the lamp's

@@ -112,16 +112,16 @@ impl Exchange {
         Self { storage, scale, leaving, in_carriers: None, mass, closure, shrinkage: 1.0 }
     }
 
-    /// Turns the rows of patches into raw exchange areas and balances them; without batch `left_out`, if there is one.
+    /// Turns the rows of patches into raw exchange areas of a tone and balances them; without batch `left_out`, if there is one.
     pub(super) fn from_rows(
         rows: &Rows,
-        patches: &Patches,
+        (patches, tone): (&Patches, usize),
         kind: StorageKind,
         left_out: Option<u32>,
         progress: Progress,
     ) -> Result<Self, Cancelled> {
         let Raw { storage, leaving: Leaving { all, in_carriers }, is_lamp } =
-            assemble(rows, patches, kind, left_out);
+            assemble(rows, patches, tone, kind, left_out);
         let mass = Mass::new(rows.recipe.basis, patches.areas());
         Ok(Self { in_carriers, ..Self::new(storage, all, mass, &is_lamp, progress)? })
     }

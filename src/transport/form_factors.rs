@@ -8,8 +8,9 @@ use super::rays::Rows;
 use super::recipe::{BATCHES, RayCount, Recipe};
 use super::storage::StorageKind;
 use super::switches::Shots;
+use super::tones::Tones;
 use crate::patches::{Basis, Patches};
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::trace::{Enclosure, Tracer, sampling};
 
 /// What to keep of the rays once they have become exchange areas.
@@ -114,9 +115,10 @@ impl TraceOptions<'_> {
     }
 
     /// How rows of so many patches are traced.
-    pub(super) fn recipe(&self, patches: usize) -> Result<Recipe, TransportError> {
-        self.check(patches)?;
-        let rays = self.rays.unwrap_or(Self::usual_rays(patches)).next_multiple_of(BATCHES);
+    pub(super) fn recipe(&self, patches: usize, tones: &Tones) -> Result<Recipe, TransportError> {
+        let rays = self.rays.unwrap_or(Self::usual_rays(patches));
+        self.check_rays(patches, rays, tones.len())?;
+        let rays = rays.next_multiple_of(BATCHES);
         let count = RayCount { rays, lamp_rays: self.lamp_rays_for(rays) };
         Ok(Recipe { count, seed: self.seed, basis: self.basis })
     }
@@ -126,11 +128,11 @@ impl TraceOptions<'_> {
     /// # Errors
     /// `Rays` or `Memory`.
     pub fn check(&self, patches: usize) -> Result<(), TransportError> {
-        self.check_rays(patches, self.rays.unwrap_or(Self::usual_rays(patches)))
+        self.check_rays(patches, self.rays.unwrap_or(Self::usual_rays(patches)), 1)
     }
 
-    /// The same for so many rays.
-    pub(super) fn check_rays(&self, patches: usize, rays: u32) -> Result<(), TransportError> {
+    /// The same for so many rays, and for carriers of so many tones, each with a matrix of its own.
+    pub(super) fn check_rays(&self, patches: usize, rays: u32, tones: usize) -> Result<(), TransportError> {
         let most = BATCHES * sampling::SEQUENCE_END;
         if !(BATCHES..=most).contains(&rays) {
             return Err(TransportError::Rays { rays, most });
@@ -154,7 +156,8 @@ impl TraceOptions<'_> {
                 (Blocks::bytes_for(n, rays) + dense, 8)
             }
         };
-        let needed = matrix + per_ray * n * rays;
+        let per_ray = if tones > 1 { per_ray + 2 } else { per_ray };
+        let needed = tones as u64 * matrix + per_ray * n * rays;
         if needed > self.memory {
             return Err(TransportError::Memory { patches, needed, limit: self.memory });
         }
@@ -174,7 +177,9 @@ const MOST_EXACT: usize = 10_000;
 /// The form factors between patches: geometry, without reflectances and sources.
 #[derive(Clone, Debug)]
 pub struct FormFactors {
-    exchange: Exchange,
+    /// One for each tone.
+    exchanges: Vec<Exchange>,
+    tones: Tones,
     rays: u32,
     rows: Option<Rows>,
 }
@@ -186,7 +191,7 @@ impl FormFactors {
     /// Sides that no probe found but a ray now lands on are added to `patches`.
     ///
     /// # Errors
-    /// `Rays`, `Dark`, `Memory` or `Cancelled`.
+    /// `Rays`, `Dark`, `Memory`, `Tones` or `Cancelled`.
     pub fn trace(
         tracer: &Tracer,
         patches: &mut Patches,
@@ -197,36 +202,82 @@ impl FormFactors {
         }
         if let Ok(enclosure) = options.without_rays(tracer, patches.len()) {
             let exchange = polygons::exchange(tracer, patches, enclosure, options.progress)?;
-            return Ok(Self { exchange, rays: 0, rows: None });
+            return Ok(exchange.into());
         }
-        let recipe = options.recipe(patches.len())?;
-        let rays = recipe.count.rays;
+        let tones = Tones::of(tracer.scene());
+        tones.check()?;
+        let recipe = options.recipe(patches.len(), &tones)?;
         options.progress.at("trace", 0.0)?;
-        let rows = Rows::trace(tracer, patches, recipe, options.caustics, options.progress)?;
-        options.progress.at("balance", 0.0)?;
-        let exchange = Exchange::from_rows(&rows, patches, options.storage, None, options.progress)?;
-        let rows = (options.keep == Keep::Rays).then_some(rows);
-        Ok(Self { exchange, rays, rows })
+        let rows = Rows::trace(tracer, patches, (recipe, tones), options.caustics, options.progress)?;
+        Ok(Self::balance(rows, patches, options.storage, options.keep, options.progress)?)
+    }
+
+    /// Makes exchange areas of rays, for every tone.
+    pub(super) fn balance(
+        rows: Rows,
+        patches: &Patches,
+        storage: StorageKind,
+        keep: Keep,
+        progress: Progress,
+    ) -> Result<Self, Cancelled> {
+        progress.at("balance", 0.0)?;
+        let of = |tone: usize| Exchange::from_rows(&rows, (patches, tone), storage, None, progress);
+        let exchanges = (0..rows.tones.len()).map(of).collect::<Result<_, _>>()?;
+        let (rays, tones) = (rows.recipe.count.rays, rows.tones.clone());
+        Ok(Self { exchanges, tones, rays, rows: (keep == Keep::Rays).then_some(rows) })
     }
 
     /// How light varies over a patch.
     pub fn basis(&self) -> Basis {
-        self.exchange.basis()
+        self.exchange().basis()
     }
 
-    /// Symmetric exchange areas S_ij = A_i F_ij, normalised frame.
+    /// Symmetric exchange areas S_ij = A_i F_ij, normalised frame; of the first channel, where coloured carriers make channels differ.
     pub fn exchange(&self) -> &Exchange {
-        &self.exchange
+        &self.exchanges[0]
+    }
+
+    /// Exchange areas of a channel.
+    pub fn exchange_of(&self, channel: usize) -> &Exchange {
+        &self.exchanges[self.tones.of_channel(channel)]
+    }
+
+    /// The exchange areas that differ: one where carriers have no colour.
+    pub fn exchanges(&self) -> &[Exchange] {
+        &self.exchanges
+    }
+
+    /// Which of [`FormFactors::exchanges`] a channel has.
+    pub fn tone_of(&self, channel: usize) -> usize {
+        self.tones.of_channel(channel)
+    }
+
+    /// The form factors between groups of patches, each as one larger patch; see [`Exchange::merged`].
+    ///
+    /// # Panics
+    /// If there is not one group per coefficient, or one is `groups` or more.
+    pub fn merged(&self, group_of: &[usize], groups: usize) -> Self {
+        let exchanges = self.exchanges.iter().map(|exchange| exchange.merged(group_of, groups)).collect();
+        Self { exchanges, tones: self.tones.clone(), rays: self.rays, rows: None }
+    }
+
+    /// Bytes that all exchange areas take.
+    pub fn bytes(&self) -> u64 {
+        self.exchanges.iter().map(Exchange::bytes).sum()
     }
 
     /// Those of patches between which no light goes: everything escapes. For runs without interreflection.
     pub fn none(patches: &Patches, basis: Basis) -> Self {
-        Self { exchange: Exchange::none(patches.areas(), basis), rays: 0, rows: None }
+        Exchange::none(patches.areas(), basis).into()
     }
 
     /// Form factors that are known already, perhaps with their rays.
-    pub(super) fn from_parts(exchange: Exchange, rays: u32, rows: Option<Rows>) -> Self {
-        Self { exchange, rays, rows }
+    pub(super) fn from_parts(
+        (exchanges, tones): (Vec<Exchange>, Tones),
+        rays: u32,
+        rows: Option<Rows>,
+    ) -> Self {
+        Self { exchanges, tones, rays, rows }
     }
 
     /// The rays, if they were kept.
@@ -246,18 +297,18 @@ impl FormFactors {
 
     /// Number of patches n.
     pub fn len(&self) -> usize {
-        self.exchange.len() / self.basis().coefficients()
+        self.exchange().len() / self.basis().coefficients()
     }
 
     /// Whether there are no patches.
     pub fn is_empty(&self) -> bool {
-        self.exchange.is_empty()
+        self.exchange().is_empty()
     }
 }
 
 impl From<Exchange> for FormFactors {
     /// Form factors that come from elsewhere than rays.
     fn from(exchange: Exchange) -> Self {
-        Self { exchange, rays: 0, rows: None }
+        Self { exchanges: vec![exchange], tones: Tones::one(), rays: 0, rows: None }
     }
 }

@@ -31,7 +31,8 @@ pub struct GroupFactor {
 type Sums = Vec<Vec<(usize, f64)>>;
 
 impl FormFactors {
-    /// Form factors between groups of patches; those that are zero are left out. `group_of` names each patch's group, from 0.
+    /// Form factors between groups of patches, in the first channel where coloured carriers make channels differ; those that are zero are
+    /// left out. `group_of` names each patch's group, from 0.
     ///
     /// # Errors
     /// `Cancelled`; `NoRays` unless the rays were kept.
@@ -58,7 +59,7 @@ impl FormFactors {
                 "dense" => StorageKind::Dense,
                 _ => StorageKind::Sparse,
             };
-            let exchange = Exchange::from_rows(rows, patches, kind, Some(batch), Progress::default())?;
+            let exchange = Exchange::from_rows(rows, (patches, 0), kind, Some(batch), Progress::default())?;
             without.push(sums(&exchange, &group_of));
         }
         progress.at("errors", 1.0)?;

@@ -35,6 +35,7 @@ mod sources;
 mod spread;
 mod storage;
 mod switches;
+mod tones;
 
 pub use balance::Closure;
 pub use blocks::Blocks;
@@ -94,6 +95,16 @@ pub enum TransportError {
     Unsolvable {
         /// The materials of the closed set of patches that loses nothing.
         materials: Vec<String>,
+    },
+    /// Carriers treat more channels differently than a ray can tell apart.
+    #[error(
+        "mirrors, metals and glass have {tones} different colours over the channels; at most {most} are told apart"
+    )]
+    Tones {
+        /// Channels that differ.
+        tones: usize,
+        /// The greatest possible number.
+        most: usize,
     },
     /// The rays are needed and were not kept.
     #[error("the rays of these form factors were not kept; trace with `Keep::Rays`")]

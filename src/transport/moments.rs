@@ -12,17 +12,18 @@ use super::recipe::BATCHES;
 use super::storage::{Storage, StorageKind};
 use crate::patches::Patches;
 
-/// Sums up what the rows of all patches found; without batch `left_out`, if there is one.
+/// Sums up what the rows of all patches found in a tone; without batch `left_out`, if there is one.
 pub(super) fn assemble(
     rows: &Rows,
     patches: &Patches,
+    tone: usize,
     kind: StorageKind,
     left_out: Option<u32>,
     is_lamp: &[bool],
 ) -> Raw {
     let used = if left_out.is_some() { BATCHES - 1 } else { BATCHES };
     let rays = f64::from(rows.recipe.count.rays / BATCHES * used);
-    let finder = Finder { rows, patches, is_lamp, left_out, rays, used };
+    let finder = Finder { rows, patches, tone, is_lamp, left_out, rays, used };
     let (found, leaving): (Vec<Findings>, Vec<[[f64; 3]; 3]>) =
         (0..patches.len()).into_par_iter().map(|i| finder.found_by(i)).unzip();
     let blocks = Blocks::new(patches.areas(), rays, &found);
@@ -42,6 +43,7 @@ pub(super) fn assemble(
 struct Finder<'a> {
     rows: &'a Rows,
     patches: &'a Patches<'a>,
+    tone: usize,
     is_lamp: &'a [bool],
     left_out: Option<u32>,
     /// Rays per patch that count.
@@ -61,8 +63,9 @@ impl Finder<'_> {
         };
         let (mut landings, mut carried_to_lamps) = (Vec::new(), Vec::new());
         let batch_size = row.landings.len() / BATCHES as usize;
-        let ends = row.landings.iter().zip(&row.spots).zip(origins(row.slot, self.rows.recipe));
-        for (k, ((&end, &there), here)) in ends.enumerate() {
+        let ends = row.ends(0..row.landings.len(), self.tone);
+        let ends = ends.zip(&row.spots).zip(origins(row.slot, self.rows.recipe));
+        for (k, ((end, &there), here)) in ends.enumerate() {
             if Some((k / batch_size) as u32) == self.left_out {
                 continue;
             }
@@ -82,7 +85,7 @@ impl Finder<'_> {
             }
         }
         if !self.is_lamp[i] {
-            let caustics = self.rows.caustics.of(row.slot).iter().filter(|c| Some(c.batch) != self.left_out);
+            let caustics = self.rows.caustics.of(row.slot, self.tone, self.left_out);
             carried_to_lamps.extend(caustics.filter_map(|caustic| {
                 let partner = self.patches.patch_of_slot(caustic.lamp)?;
                 let [here, there] = caustic.ends;

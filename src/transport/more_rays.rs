@@ -1,11 +1,10 @@
 //! More rays: what was traced already, and as much again, as if all had been one.
 
 use super::caustics::Caustics;
-use super::exchange::Exchange;
 use super::lamp_columns::{LampShare, Look};
 use super::rays::{Row, Rows};
 use super::recipe::{BATCHES, RayCount, Recipe};
-use super::{FormFactors, TraceOptions, TransportError};
+use super::{FormFactors, Keep, TraceOptions, TransportError};
 use crate::patches::{Basis, Patches};
 use crate::trace::Tracer;
 
@@ -26,19 +25,18 @@ impl FormFactors {
     ) -> Result<Self, TransportError> {
         assert_eq!(self.basis(), Basis::Constant, "constant elements");
         let mut known = self.into_rows().ok_or(TransportError::NoRays)?;
-        let recipe = options.recipe(patches.len())?;
+        let recipe = options.recipe(patches.len(), &known.tones)?;
         let count = RayCount {
             rays: known.recipe.count.rays + recipe.count.rays,
             lamp_rays: known.recipe.count.lamp_rays + recipe.count.lamp_rays,
         };
-        options.check_rays(patches.len(), count.rays)?;
-        let more = Rows::trace(tracer, patches, recipe, options.caustics, options.progress)?;
+        options.check_rays(patches.len(), count.rays, known.tones.len())?;
+        let tones = known.tones.clone();
+        let more = Rows::trace(tracer, patches, (recipe, tones), options.caustics, options.progress)?;
         // Sides that the new rays were the first to find send the old ones too.
         known.adapt(tracer, patches, options.progress)?;
         let rows = known.joined(more, count);
-        options.progress.at("balance", 0.0)?;
-        let exchange = Exchange::from_rows(&rows, patches, options.storage, None, options.progress)?;
-        Ok(Self::from_parts(exchange, count.rays, Some(rows)))
+        Ok(Self::balance(rows, patches, options.storage, Keep::Rays, options.progress)?)
     }
 }
 
@@ -50,18 +48,14 @@ impl Rows {
             self.all().iter().filter_map(|row| Some(joined(row, other.of(row.slot)?, share))).collect();
         let caustics = self.caustics.joined(&other.caustics);
         let recipe = Recipe { count, ..self.recipe };
-        Self::new(recipe, self.lamp_faces, rows, caustics)
+        Self::new((recipe, self.tones), self.lamp_faces, rows, caustics)
     }
 }
 
 /// One row of both; `share` is the first one's part of all rays.
 fn joined(a: &Row, b: &Row, share: f64) -> Row {
-    let batches = BATCHES as usize;
-    let of = |row: &Row, batch: usize| {
-        let size = row.landings.len() / batches;
-        row.landings[batch * size..(batch + 1) * size].to_vec()
-    };
-    let landings = (0..batches).flat_map(|batch| [of(a, batch), of(b, batch)]).flatten().collect();
+    let landings = interleaved(&a.landings, &b.landings);
+    let survivors = interleaved(&a.survivors, &b.survivors);
     let scaled = |row: &Row, by: f64| -> Vec<LampShare> {
         row.lamps.shares.iter().map(|s| LampShare { share: (f64::from(s.share) * by) as f32, ..*s }).collect()
     };
@@ -78,7 +72,23 @@ fn joined(a: &Row, b: &Row, share: f64) -> Row {
     let excess = std::array::from_fn(|batch| {
         (share * f64::from(a.lamps.excess[batch]) + (1.0 - share) * f64::from(b.lamps.excess[batch])) as f32
     });
-    Row { slot: a.slot, landings, spots: Vec::new(), lamps: Look { shares, moments: Vec::new(), excess } }
+    Row {
+        slot: a.slot,
+        landings,
+        survivors,
+        spots: Vec::new(),
+        lamps: Look { shares, moments: Vec::new(), excess },
+    }
+}
+
+/// Of each batch first the one's, then the other's.
+fn interleaved<T: Copy>(a: &[T], b: &[T]) -> Vec<T> {
+    let batches = BATCHES as usize;
+    let of = |all: &[T], batch: usize| {
+        let size = all.len() / batches;
+        all[batch * size..(batch + 1) * size].to_vec()
+    };
+    (0..batches).flat_map(|batch| [of(a, batch), of(b, batch)]).flatten().collect()
 }
 
 impl Caustics {

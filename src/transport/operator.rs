@@ -14,7 +14,7 @@ use crate::patches::{Basis, Patches};
 /// It acts on coefficients, N × c: N is the number of patches n, or 3n for linear elements, where F stands for M⁻¹S.
 #[derive(Clone, Debug)]
 pub struct Transport<'f> {
-    exchange: &'f Exchange,
+    factors: &'f FormFactors,
     /// ρ, N × c.
     reflectance: DMatrix<f64>,
 }
@@ -50,23 +50,23 @@ impl<'f> Transport<'f> {
         let exchange = factors.exchange();
         let each = exchange.basis().coefficients();
         let reflectance = exchange.basis().coefficients_of(&reflectance);
-        if let Some(trapped) = solvable::trapped(exchange, &reflectance) {
+        if let Some(trapped) = solvable::trapped(factors, &reflectance) {
             let mut materials: Vec<String> = trapped.into_iter().map(|i| name(i / each)).collect();
             materials.sort();
             materials.dedup();
             return Err(TransportError::Unsolvable { materials });
         }
-        Ok(Self { exchange, reflectance })
+        Ok(Self { factors, reflectance })
     }
 
     /// Number of unknowns N.
     pub fn len(&self) -> usize {
-        self.exchange.len()
+        self.exchange().len()
     }
 
     /// Whether there are no unknowns.
     pub fn is_empty(&self) -> bool {
-        self.exchange.is_empty()
+        self.exchange().is_empty()
     }
 
     /// Number of channels c.
@@ -74,19 +74,43 @@ impl<'f> Transport<'f> {
         self.reflectance.ncols()
     }
 
-    /// Exchange areas S.
+    /// Exchange areas S; of the first channel, where coloured carriers make channels differ.
     pub fn exchange(&self) -> &'f Exchange {
-        self.exchange
+        self.factors.exchange()
+    }
+
+    /// Exchange areas S of a channel.
+    pub fn exchange_of(&self, channel: usize) -> &'f Exchange {
+        self.factors.exchange_of(channel)
+    }
+
+    /// A number that channels with the same exchange areas share.
+    pub fn tone_of(&self, channel: usize) -> usize {
+        self.factors.tone_of(channel)
+    }
+
+    /// y ← S x, each channel by its own exchange areas, overwriting y; N × c.
+    pub fn through(&self, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
+        if let [exchange] = self.factors.exchanges() {
+            return exchange.apply(x, y);
+        }
+        for (tone, exchange) in self.factors.exchanges().iter().enumerate() {
+            let channels: Vec<usize> = (0..x.ncols()).filter(|&c| self.tone_of(c) == tone).collect();
+            let own = x.select_columns(&channels);
+            let mut found = DMatrix::zeros(own.nrows(), own.ncols());
+            exchange.apply(&own, &mut found);
+            channels.iter().zip(found.column_iter()).for_each(|(&c, column)| y.set_column(c, &column));
+        }
     }
 
     /// The mass M of the basis functions, normalised frame.
     pub fn mass(&self) -> &Mass {
-        self.exchange.mass()
+        self.exchange().mass()
     }
 
     /// How light varies over a patch.
     pub fn basis(&self) -> Basis {
-        self.exchange.basis()
+        self.exchange().basis()
     }
 
     /// Reflectances ρ, N × c.
@@ -97,7 +121,7 @@ impl<'f> Transport<'f> {
     /// Irradiance H = π M⁻¹ S L of radiance L, N × c, W·m⁻².
     pub fn irradiance(&self, radiance: &DMatrix<f64>) -> DMatrix<f64> {
         let mut irradiance = DMatrix::zeros(self.len(), self.channels());
-        self.exchange.apply(radiance, &mut irradiance);
+        self.through(radiance, &mut irradiance);
         self.mass().solve(&mut irradiance, PI);
         irradiance
     }

@@ -99,9 +99,11 @@ impl Plan {
         };
         let carriers = used.iter().any(|m| m.surface.is_carrier());
         let caustics = match (carriers, used.iter().any(|m| m.emits())) {
-            (false, _) => effect("caustics", false, "no mirror, glass or water"),
+            (false, _) => effect("caustics", false, "no mirror, metal or glass"),
             (true, false) => effect("caustics", false, "no lamp"),
-            (true, true) => effect("caustics", true, "light shot from lamps through mirrors and glass"),
+            (true, true) => {
+                effect("caustics", true, "light shot from lamps through mirrors, metals and glass")
+            }
         };
         let coloured: Vec<&str> = used
             .iter()
@@ -109,14 +111,11 @@ impl Plan {
             .map(|m| m.name.as_str())
             .collect();
         let carrier_colour = match coloured.len() {
-            0 => effect("carrier colour", false, "no coloured mirror or glass"),
+            0 => effect("carrier colour", false, "no coloured mirror, metal or glass"),
             _ => Effect::new(
                 "carrier colour",
-                false,
-                format!(
-                    "not simulated yet; light between surfaces takes the mean of the channels of {}",
-                    coloured.join(", ")
-                ),
+                true,
+                format!("exchange areas of their own for channels that differ: {}", coloured.join(", ")),
             ),
         };
         Self {
@@ -147,9 +146,9 @@ impl Plan {
                 }),
                 caustics,
                 carrier_colour,
-                called_for("gloss", "rough conductor or plastic", &|k| {
-                    scene.materials()[k].surface == Surface::Glossy
-                }),
+                carrier("thin glass", "thin glass", |surface| matches!(surface, Surface::Pane { .. })),
+                carrier("gloss", "rough metal", |surface| matches!(surface, Surface::Conductor { .. })),
+                called_for("plastic", "plastic", &|k| scene.materials()[k].surface == Surface::Plastic),
                 textures(&used),
             ],
         }

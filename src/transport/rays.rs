@@ -12,10 +12,11 @@ use super::lamp_columns::{Look, Seen, look_at_lamps};
 use super::landing::{End, Spot};
 use super::recipe::{BATCHES, Recipe};
 use super::switches::Shots;
+use super::tones::{Survivors, Tones};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
-use crate::trace::{Destination, Hit, Lamps, Ray, Tracer, sampling, sampling::Sequence};
+use crate::trace::{Destination, Hit, Lamps, Ray, Tint, Tracer, sampling, sampling::Sequence};
 
 /// Where streams of random sequences for rays start.
 const STREAM: u64 = 0;
@@ -42,11 +43,11 @@ impl Goals {
         &self,
         tracer: &Tracer,
         patches: &Patches,
-        recipe: Recipe,
+        how: (Recipe, &Tones),
         progress: Progress,
     ) -> Result<Caustics, Cancelled> {
         let slots: Vec<u32> = self.slots.iter().cloned().flatten().collect();
-        Caustics::trace(tracer, patches, &slots, |slot| self.contain(slot), recipe, progress)
+        Caustics::trace(tracer, patches, &slots, |slot| self.contain(slot), how, progress)
     }
 
     fn contain(&self, slot: u32) -> bool {
@@ -61,16 +62,30 @@ pub(super) struct Row {
     pub slot: u32,
     /// Where its rays ended, batch after batch.
     pub landings: Vec<End>,
+    /// In which tones they did; nothing where there is but one.
+    pub survivors: Vec<Survivors>,
     /// Where in these slots they landed; nothing for constant elements.
     pub spots: Vec<Spot>,
     /// What is known of its form factors to lamps. Lamps themselves know only their rays.
     pub lamps: Look,
 }
 
+impl Row {
+    /// Where rays `first`, `first` + 1, … ended in a tone.
+    #[inline]
+    pub fn ends(&self, range: Range<usize>, tone: usize) -> impl Iterator<Item = End> {
+        range.map(move |k| match self.survivors.get(k) {
+            Some(survivors) if !survivors.contain(tone) => End::ABSORBED,
+            _ => self.landings[k],
+        })
+    }
+}
+
 /// The rows of all slots that are or were patches, by slot.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Rows {
     pub recipe: Recipe,
+    pub tones: Tones,
     /// The faces that light sampling took as lamps.
     pub lamp_faces: Vec<u32>,
     rows: Vec<Row>,
@@ -79,9 +94,14 @@ pub(super) struct Rows {
 
 impl Rows {
     /// Puts rows together that were traced before.
-    pub fn new(recipe: Recipe, lamp_faces: Vec<u32>, mut rows: Vec<Row>, caustics: Caustics) -> Self {
+    pub fn new(
+        (recipe, tones): (Recipe, Tones),
+        lamp_faces: Vec<u32>,
+        mut rows: Vec<Row>,
+        caustics: Caustics,
+    ) -> Self {
         rows.sort_unstable_by_key(|row| row.slot);
-        Self { recipe, lamp_faces, rows, caustics }
+        Self { recipe, tones, lamp_faces, rows, caustics }
     }
 
     /// All rows, by slot.
@@ -99,16 +119,16 @@ impl Rows {
     pub fn trace(
         tracer: &Tracer,
         patches: &mut Patches,
-        recipe: Recipe,
+        (recipe, tones): (Recipe, Tones),
         shots: Shots,
         progress: Progress,
     ) -> Result<Self, Cancelled> {
         let goals = Goals::new(tracer, patches, recipe);
         let caustics = match shots {
-            Shots::Shot => goals.caustics(tracer, patches, recipe, progress)?,
+            Shots::Shot => goals.caustics(tracer, patches, (recipe, &tones), progress)?,
             Shots::Skipped => Caustics::default(),
         };
-        let mut rows = Self::new(recipe, goals.lamps.faces().collect(), Vec::new(), caustics);
+        let mut rows = Self::new((recipe, tones), goals.lamps.faces().collect(), Vec::new(), caustics);
         rows.complete(tracer, patches, &goals, progress)?;
         Ok(rows)
     }
@@ -125,7 +145,7 @@ impl Rows {
         if !goals.lamps.faces().eq(self.lamp_faces.iter().copied()) {
             self.lamp_faces = goals.lamps.faces().collect();
             let recipe = self.recipe;
-            self.caustics = goals.caustics(tracer, patches, recipe, progress)?;
+            self.caustics = goals.caustics(tracer, patches, (recipe, &self.tones), progress)?;
             for (done, chunk) in self.rows.chunks_mut(CHUNK).enumerate() {
                 progress.at("trace", (done * CHUNK) as f64 / known as f64)?;
                 chunk.par_iter_mut().for_each(|row| look_for_lamps(tracer, patches, &goals, row, recipe));
@@ -149,8 +169,8 @@ impl Rows {
             let (known, missing): (Vec<u32>, Vec<u32>) = active.partition(has_row);
             for (done, chunk) in missing.chunks(CHUNK).enumerate() {
                 progress.at("trace", (known.len() + done * CHUNK) as f64 / patches.len() as f64)?;
-                let recipe = self.recipe;
-                let traced = chunk.par_iter().map(|&slot| trace_row(tracer, patches, goals, slot, recipe));
+                let how = (self.recipe, &self.tones);
+                let traced = chunk.par_iter().map(|&slot| trace_row(tracer, patches, goals, slot, how));
                 self.rows.par_extend(traced);
             }
             self.rows.sort_unstable_by_key(|row| row.slot);
@@ -165,13 +185,22 @@ impl Rows {
 }
 
 /// Traces what leaves one slot.
-fn trace_row(tracer: &Tracer, patches: &Patches, goals: &Goals, slot: u32, recipe: Recipe) -> Row {
+fn trace_row(
+    tracer: &Tracer,
+    patches: &Patches,
+    goals: &Goals,
+    slot: u32,
+    (recipe, tones): (Recipe, &Tones),
+) -> Row {
     let facet = patches.facet(tracer, slot);
     let mut landings = Vec::with_capacity(recipe.count.rays as usize);
-    let mut spots = Vec::new();
+    let (mut spots, mut survivors) = (Vec::new(), Vec::new());
     for (sequence, points) in stretches(slot, recipe) {
         for (ray, point) in facet.rays(sequence, points.clone()).zip(points) {
-            let (end, hit) = end_of(tracer, patches, &ray, (sequence, point));
+            let (end, alive, hit) = end_of(tracer, patches, &ray, (sequence, point), tones);
+            if tones.len() > 1 {
+                survivors.push(alive);
+            }
             if recipe.basis == Basis::Linear {
                 let there = end.slot().zip(hit).map(|(slot, hit)| patches.weights_in(slot, hit.barycentrics));
                 spots.push(there.map_or_else(Spot::default, Spot::at));
@@ -179,23 +208,25 @@ fn trace_row(tracer: &Tracer, patches: &Patches, goals: &Goals, slot: u32, recip
             landings.push(end);
         }
     }
-    let mut row = Row { slot, landings, spots, lamps: Look::default() };
+    let mut row = Row { slot, landings, survivors, spots, lamps: Look::default() };
     look_for_lamps(tracer, patches, goals, &mut row, recipe);
     row
 }
 
-/// Where a ray ends, mirrors and glass passed by the random numbers that follow those it was sent by. Whether a carrier absorbs it is
-/// decided by chance, so that what lands has all its weight.
+/// Where a ray ends, and in which tones, carriers passed by the random numbers that follow those it was sent by. Whether a carrier absorbs
+/// it is decided by chance, the same for all tones, so that what lands has all its weight.
 #[inline]
 pub(super) fn end_of(
     tracer: &Tracer,
     patches: &Patches,
     ray: &Ray,
     (sequence, point): (Sequence, u32),
-) -> (End, Option<Hit>) {
+    tones: &Tones,
+) -> (End, Survivors, Option<Hit>) {
+    let mut alive = Survivors::ALL;
     let numbers = |k: u32| sequence.dimensions(point, k + 1);
-    let survives = |colour: &[f64], chance: f64| chance < colour.iter().sum::<f64>() / colour.len() as f64;
-    match tracer.destination(ray, numbers, survives) {
+    let survives = |tint: Tint, chance: f64| alive.meet(tones, tint, chance);
+    let (end, hit) = match tracer.destination(ray, numbers, survives) {
         Destination::Diffuse { hit, carried } => {
             let slot = patches.slot_at(hit.face as usize, hit.side, hit.barycentrics);
             (if carried { End::carried_to(slot) } else { End::on(slot) }, Some(hit))
@@ -203,7 +234,8 @@ pub(super) fn end_of(
         Destination::Away(_) => (End::AWAY, None),
         Destination::Absorbed => (End::ABSORBED, None),
         Destination::Lost => (End::LOST, None),
-    }
+    };
+    (end, alive, hit)
 }
 
 /// The stretches of random sequences by which a slot sends its rays, one a batch.

@@ -10,11 +10,12 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::LightOptions;
+use super::tones::Tones;
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::scene::{Receiver, Side};
 use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around};
-use crate::trace::{Destination, Lamps, Lights, Ray, Tracer, geometry_term};
+use crate::trace::{Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term};
 
 /// The streams of random sequences, apart from all others.
 const STREAM: u64 = 1 << 55;
@@ -26,8 +27,9 @@ const CHUNK: usize = 1024;
 /// Form factors from the points of a receiver to patches, and what lights without area bring them.
 #[derive(Clone, Debug)]
 pub struct ReceiverRows {
-    /// Per point: coefficients and form factors.
-    rows: Vec<Vec<(u32, f64)>>,
+    tones: Tones,
+    /// Per point and tone: coefficients and form factors.
+    rows: Vec<Vec<Vec<(u32, f64)>>>,
     /// H₀, m × c, W·m⁻².
     direct: DMatrix<f64>,
 }
@@ -55,6 +57,7 @@ impl ReceiverRows {
             normal: receiver.normal(),
             rays: options.rays.clamp(1, crate::trace::sampling::SEQUENCE_END),
             seed: options.seed,
+            tones: Tones::of(tracer.scene()),
         };
         let mut rows = Vec::with_capacity(points.len());
         let mut direct = vec![0.0; points.len() * channels];
@@ -70,7 +73,8 @@ impl ReceiverRows {
             rows.par_extend(found);
         }
         options.progress.at("receive", 1.0)?;
-        Ok(Self { direct: DMatrix::from_row_slice(points.len(), channels, &direct), rows })
+        let direct = DMatrix::from_row_slice(points.len(), channels, &direct);
+        Ok(Self { tones: gather.tones, direct, rows })
     }
 
     /// Irradiance H = H₀ + πFL of the points under radiance L (N × c), m × c, W·m⁻².
@@ -79,7 +83,8 @@ impl ReceiverRows {
     /// If `radiance` has not the channels of the scene, or too few rows.
     pub fn irradiance(&self, radiance: &DMatrix<f64>) -> DMatrix<f64> {
         DMatrix::from_fn(self.rows.len(), self.direct.ncols(), |i, c| {
-            let around: f64 = self.rows[i].iter().map(|&(j, f)| f * radiance[(j as usize, c)]).sum();
+            let tone = self.tones.of_channel(c);
+            let around: f64 = self.rows[i][tone].iter().map(|&(j, f)| f * radiance[(j as usize, c)]).sum();
             self.direct[(i, c)] + PI * around
         })
     }
@@ -95,32 +100,35 @@ struct Gather<'a, 's> {
     normal: DVec3,
     rays: u32,
     seed: u64,
+    tones: Tones,
 }
 
 impl Gather<'_, '_> {
-    fn row(&self, point: DVec3, place: u32) -> Vec<(u32, f64)> {
+    /// The row of a point, for each tone.
+    fn row(&self, point: DVec3, place: u32) -> Vec<Vec<(u32, f64)>> {
         let view = self.lamps.view_from(&[point], self.normal);
         let frame = frame_around(self.normal);
         let rays = f64::from(self.rays);
         // Density of all samples on a lamp's point, per unit of normalised area: rays find it with density g, lamp samples with p.
         let share = |g: f64, p: f64| g / (rays * (g + p));
-        let mut row = Vec::new();
+        let mut rows = vec![Vec::new(); self.tones.len()];
+        let mut colour = vec![1.0; self.tones.len()];
         let (sequence, points) = Sequence::stretch(self.seed, STREAM, place, 0, self.rays);
         for k in points {
             let [x, y, u, v] = sequence.point(k);
             let direction = frame * cosine_hemisphere([x, y]);
             let ray = Ray { origin: point, direction, from: Ray::FREE };
-            // By way of mirrors and glass too, in the mean of their colours.
-            let mut colour = 1.0;
+            // By way of carriers too, dimmed in each tone.
+            colour.fill(1.0);
             let numbers = |carrier: u32| sequence.dimensions(k, carrier + 1);
-            let dims = |part: &[f64], _: f64| {
-                colour *= part.iter().sum::<f64>() / part.len() as f64;
-                colour > 0.0
+            let dims = |tint: Tint, _: f64| {
+                colour.iter_mut().enumerate().for_each(|(tone, part)| *part *= self.tones.part(tone, tint));
+                colour.iter().any(|&part| part > 0.0)
             };
             if let Destination::Diffuse { hit, carried } = self.tracer.destination(&ray, numbers, dims) {
                 let face = hit.face as usize;
                 let weight = if carried {
-                    colour / rays
+                    1.0 / rays
                 } else if self.lamps.contains(face, hit.side) {
                     let there = (point + direction * hit.distance, self.tracer.normal(face, hit.side));
                     let g = geometry_term((point, self.normal), there);
@@ -128,17 +136,25 @@ impl Gather<'_, '_> {
                 } else {
                     1.0 / rays
                 };
-                self.push(&mut row, (face, hit.side), hit.barycentrics, weight);
+                for (row, part) in rows.iter_mut().zip(&colour) {
+                    self.push(row, (face, hit.side), hit.barycentrics, weight * part);
+                }
             }
             let Some(lamp) = self.lamps.sample(&view, [u, v]) else { continue };
             let g = geometry_term((point, self.normal), (lamp.point, lamp.normal));
             if g > 0.0 && self.tracer.unoccluded((point, Ray::FREE), (lamp.point, lamp.face)) {
                 let place = (lamp.face as usize, Side::Front);
-                self.push(&mut row, place, lamp.barycentrics, share(g, lamp.pdf));
+                for row in &mut rows {
+                    self.push(row, place, lamp.barycentrics, share(g, lamp.pdf));
+                }
             }
         }
-        row.sort_unstable_by_key(|&(j, _)| j);
-        row.chunk_by(|a, b| a.0 == b.0).map(|run| (run[0].0, run.iter().map(|&(_, f)| f).sum())).collect()
+        let summed = |mut row: Vec<(u32, f64)>| {
+            row.sort_unstable_by_key(|&(j, _)| j);
+            let sums = row.chunk_by(|a, b| a.0 == b.0);
+            sums.map(|run| (run[0].0, run.iter().map(|&(_, f)| f).sum())).collect()
+        };
+        rows.into_iter().map(summed).collect()
     }
 
     /// Adds a form factor to where it belongs: the patch, or its corners.
@@ -162,12 +178,19 @@ impl Gather<'_, '_> {
 
     fn add_direct(&self, point: DVec3, place: u32, direct: &mut [f64]) {
         let Some(lights) = &self.lights else { return };
+        let mut scratch = vec![0.0; direct.len()];
         let (sequence, points) = Sequence::stretch(self.seed, LIGHT_STREAM, place, 0, self.rays);
         for k in points {
             let [u, v, s, t] = sequence.point(k);
             let mut numbers = [[u, v], [s, t]].into_iter().cycle();
             let mut random = || numbers.next().unwrap_or([u, v]);
-            lights.add_irradiance(self.tracer, (point, Ray::FREE), self.normal, &mut random, direct);
+            lights.add_irradiance(
+                self.tracer,
+                (point, Ray::FREE),
+                self.normal,
+                &mut random,
+                [direct, &mut scratch],
+            );
         }
         direct.iter_mut().for_each(|h| *h /= f64::from(self.rays));
     }

@@ -21,6 +21,7 @@ use super::rays::{Row, Rows};
 use super::recipe::{BATCHES, RayCount, Recipe};
 use super::sections::{Content, FactorsFileError, Section, VERSION, ends_with_section, read_section};
 use super::storage::Storage;
+use super::tones::Tones;
 use super::{Closure, FormFactors, Keep, StorageKind, TransportError};
 use crate::patches::{Basis, Patches, Tessellation};
 use crate::scene::{FaceState, Scene, Surface};
@@ -58,35 +59,11 @@ impl FormFactors {
         section.list(&rows.lamp_faces);
         section.one(rows.all().len() as u64);
         section.list(&(0..patches.len()).map(|i| patches.slot_of_patch(i)).collect::<Vec<_>>());
-        let (storage, scale) = self.exchange().raw();
-        match storage {
-            Storage::Dense(m) => {
-                section.one(DENSE);
-                section.list(m.as_slice());
-            }
-            Storage::Sparse(m) => {
-                section.one(SPARSE);
-                section.list(&m.proper_indptr().iter().map(|&start| start as u64).collect::<Vec<_>>());
-                section.list(m.indices());
-                section.list(m.data());
-            }
-            Storage::Blocks(m) => {
-                section.one(BLOCKS);
-                m.write(&mut section);
-            }
-        }
-        section.some(scale.as_slice());
-        section.some(self.exchange().leaving().as_slice());
-        let in_carriers = self.exchange().in_carriers();
-        section.one(u32::from(in_carriers.is_some()));
-        in_carriers.into_iter().flatten().for_each(|shares| section.some(shares.as_slice()));
-        let Closure { before, after, iterations } = *self.exchange().closure();
-        section.some(&[before, after, self.exchange().shrinkage()]);
-        section.one(iterations as u64);
+        section.one(self.exchanges().len() as u32);
+        self.exchanges().iter().for_each(|exchange| write_exchange(exchange, &mut section));
         section.write(to)?;
         rows_section(rows).write(to)
     }
-
     /// Reads form factors of a scene whose lamps, powers and reflectances may have changed since, and traces what is missing: rows of
     /// sides that light newly reaches, columns of lamps that are newly lit. Cut, rays, basis and seed are the file's.
     ///
@@ -116,25 +93,54 @@ impl FormFactors {
         if same_light && lamps.faces().eq(saved.lamp_faces.iter().copied()) {
             let rows = (keep == Keep::Rays).then(|| saved.read_rows(file)).transpose()?;
             let mass = Mass::new(saved.recipe.basis, patches.areas());
-            let Saved { storage, scale, leaving, closure, shrinkage, .. } = saved;
-            let exchange = Exchange::from_raw(storage, scale, leaving, mass, closure, shrinkage);
+            let exchange = |SavedExchange { storage, scale, leaving, closure, shrinkage }| {
+                Exchange::from_raw(storage, scale, leaving, mass.clone(), closure, shrinkage)
+            };
+            let exchanges = saved.exchanges.into_iter().map(exchange).collect();
             let reuse = Reuse { traced: 0, held, balanced: true };
-            return Ok((patches, Self::from_parts(exchange, per_patch, rows), reuse));
+            return Ok((patches, Self::from_parts((exchanges, saved.tones), per_patch, rows), reuse));
         }
         progress.at("trace", 0.0)?;
         let mut rows = saved.read_rows(file)?;
         rows.adapt(tracer, &mut patches, progress)?;
         let reuse = Reuse { traced: rows.all().len() - held, held, balanced: false };
-        progress.at("balance", 0.0)?;
-        let exchange = Exchange::from_rows(&rows, &patches, storage, None, progress)?;
-        let rows = (keep == Keep::Rays).then_some(rows);
-        Ok((patches, Self::from_parts(exchange, per_patch, rows), reuse))
+        let factors = Self::balance(rows, &patches, storage, keep, progress)?;
+        Ok((patches, factors, reuse))
     }
 }
 
 const DENSE: u32 = 0;
 const SPARSE: u32 = 1;
 const BLOCKS: u32 = 2;
+
+/// One tone's exchange areas.
+fn write_exchange(exchange: &Exchange, section: &mut Section) {
+    let (storage, scale) = exchange.raw();
+    match storage {
+        Storage::Dense(m) => {
+            section.one(DENSE);
+            section.list(m.as_slice());
+        }
+        Storage::Sparse(m) => {
+            section.one(SPARSE);
+            section.list(&m.proper_indptr().iter().map(|&start| start as u64).collect::<Vec<_>>());
+            section.list(m.indices());
+            section.list(m.data());
+        }
+        Storage::Blocks(m) => {
+            section.one(BLOCKS);
+            m.write(section);
+        }
+    }
+    section.some(scale.as_slice());
+    section.some(exchange.leaving().as_slice());
+    let in_carriers = exchange.in_carriers();
+    section.one(u32::from(in_carriers.is_some()));
+    in_carriers.into_iter().flatten().for_each(|shares| section.some(shares.as_slice()));
+    let Closure { before, after, iterations } = *exchange.closure();
+    section.some(&[before, after, exchange.shrinkage()]);
+    section.one(iterations as u64);
+}
 
 /// The rows, one property after another.
 fn rows_section(rows: &Rows) -> Section {
@@ -144,6 +150,7 @@ fn rows_section(rows: &Rows) -> Section {
     section.some(&all.iter().map(|row| row.lamps.shares.len() as u32).collect::<Vec<_>>());
     for row in all {
         section.some(&row.landings);
+        section.some(&row.survivors);
         section.some(&row.spots);
         section.some(&row.lamps.shares.iter().map(|share| [share.slot, share.batch]).collect::<Vec<_>>());
         section.some(&row.lamps.shares.iter().map(|share| share.share).collect::<Vec<_>>());
@@ -165,11 +172,52 @@ struct Saved {
     /// Number of rows in the second section.
     held: usize,
     slots: Vec<u32>,
+    tones: Tones,
+    /// One for each tone.
+    exchanges: Vec<SavedExchange>,
+}
+
+/// What it says of one tone's exchange areas.
+struct SavedExchange {
     storage: Storage,
     scale: DVector<f64>,
     leaving: (DVector<f64>, Option<[DVector<f64>; 2]>),
     closure: Closure,
     shrinkage: f64,
+}
+
+impl SavedExchange {
+    fn read(from: &mut Content, basis: Basis, patches: usize) -> Result<Self, FactorsFileError> {
+        use FactorsFileError::Damaged;
+        let n = basis.coefficients() * patches;
+        let storage = match from.one::<u32>()? {
+            DENSE => {
+                let values = from.list::<f32>()?;
+                if values.len() != n * n {
+                    return Err(Damaged);
+                }
+                Storage::Dense(DMatrix::from_vec(n, n, values))
+            }
+            SPARSE => {
+                let starts = from.list::<u64>()?.into_iter().map(|start| start as usize).collect();
+                let (indices, values) = (from.list::<u32>()?, from.list::<f32>()?);
+                Storage::Sparse(CsMatI::try_new((n, n), starts, indices, values).map_err(|_| Damaged)?)
+            }
+            BLOCKS if basis == Basis::Linear => Storage::Blocks(Blocks::read(from, patches)?),
+            _ => return Err(Damaged),
+        };
+        let (scale, all) = (DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?));
+        let in_carriers = match from.one::<u32>()? {
+            0 => None,
+            1 => Some([DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?)]),
+            _ => return Err(Damaged),
+        };
+        let leaving = (all, in_carriers);
+        let (before, after, shrinkage) = (from.one()?, from.one()?, from.one()?);
+        let iterations = from.one::<u64>()? as usize;
+        let closure = Closure { before, after, iterations };
+        Ok(Self { storage, scale, leaving, closure, shrinkage })
+    }
 }
 
 impl Saved {
@@ -203,35 +251,14 @@ impl Saved {
         let lamp_faces = from.list()?;
         let held = from.one::<u64>()? as usize;
         let slots = from.list::<u32>()?;
-        let n = basis.coefficients() * slots.len();
-        let storage = match from.one::<u32>()? {
-            DENSE => {
-                let values = from.list::<f32>()?;
-                if values.len() != n * n {
-                    return Err(Damaged);
-                }
-                Storage::Dense(DMatrix::from_vec(n, n, values))
-            }
-            SPARSE => {
-                let starts = from.list::<u64>()?.into_iter().map(|start| start as usize).collect();
-                let (indices, values) = (from.list::<u32>()?, from.list::<f32>()?);
-                Storage::Sparse(CsMatI::try_new((n, n), starts, indices, values).map_err(|_| Damaged)?)
-            }
-            BLOCKS if basis == Basis::Linear => Storage::Blocks(Blocks::read(&mut from, slots.len())?),
-            _ => return Err(Damaged),
-        };
-        let (scale, all) = (DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?));
-        let in_carriers = match from.one::<u32>()? {
-            0 => None,
-            1 => Some([DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?)]),
-            _ => return Err(Damaged),
-        };
-        let leaving = (all, in_carriers);
-        let (before, after, shrinkage) = (from.one()?, from.one()?, from.one()?);
-        let iterations = from.one::<u64>()? as usize;
-        let closure = Closure { before, after, iterations };
+        let tones = Tones::of(scene);
+        if from.one::<u32>()? as usize != tones.len() {
+            return Err(Damaged);
+        }
+        let read = |_| SavedExchange::read(&mut from, basis, slots.len());
+        let exchanges = (0..tones.len()).map(read).collect::<Result<_, _>>()?;
         let recipe = Recipe { count, seed, basis };
-        Ok(Self { light, edge, recipe, lamp_faces, held, slots, storage, scale, leaving, closure, shrinkage })
+        Ok(Self { light, edge, recipe, lamp_faces, held, slots, tones, exchanges })
     }
 
     /// Reads the second section.
@@ -245,6 +272,8 @@ impl Saved {
             let (rays, shares) = (self.recipe.count.rays as usize, shares as usize);
             let landings = from.some(rays)?;
             let more = |count: usize| if self.recipe.basis == Basis::Linear { count } else { 0 };
+            let toned = if self.tones.len() > 1 { rays } else { 0 };
+            let survivors = from.some(toned)?;
             let spots = from.some::<Spot>(more(rays))?;
             let keys = from.some::<[u32; 2]>(shares)?;
             let values = from.some::<f32>(shares)?;
@@ -254,14 +283,14 @@ impl Saved {
             let mut excess = [0.0; BATCHES as usize];
             excess.copy_from_slice(&from.some::<f32>(BATCHES as usize)?);
             let lamps = Look { shares: kept, moments, excess };
-            rows.push(Row { slot, landings, spots, lamps });
+            rows.push(Row { slot, landings, survivors, spots, lamps });
         }
         let caustics = Caustics::from_parts(from.one()?, from.list::<Caustic>()?);
-        Ok(Rows::new(self.recipe, self.lamp_faces.clone(), rows, caustics))
+        Ok(Rows::new((self.recipe, self.tones.clone()), self.lamp_faces.clone(), rows, caustics))
     }
 }
 
-/// A hash of everything that rays can meet, and of what mirrors and glass do with them.
+/// A hash of everything that rays can meet, and of what mirrors, metals and glass do with them.
 fn geometry_hash(scene: &Scene) -> u64 {
     let mut hash = Xxh3::new();
     for (k, face) in scene.faces().iter().enumerate() {
@@ -269,8 +298,13 @@ fn geometry_hash(scene: &Scene) -> u64 {
         scene.corners(k).iter().for_each(|p| hash.update(bytemuck::cast_slice(&p.to_array())));
         let surface = &scene.material_of(k).surface;
         if let Some(colour) = surface.colour() {
-            let index = if let Surface::Dielectric { index, .. } = surface { *index } else { 0.0 };
-            hash.update(bytemuck::bytes_of(&index));
+            let number = match surface {
+                Surface::Mirror { .. } | Surface::Diffuse | Surface::Plastic => [0.0, 0.0],
+                Surface::Dielectric { index, .. } => [1.0, *index],
+                Surface::Conductor { roughness, .. } => [2.0, *roughness],
+                Surface::Pane { index, .. } => [3.0, *index],
+            };
+            hash.update(bytemuck::bytes_of(&number));
             hash.update(bytemuck::cast_slice(colour));
         }
     }

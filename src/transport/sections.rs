@@ -29,7 +29,7 @@ pub enum FactorsFileError {
     Unreadable(String),
     /// It belongs to another scene.
     #[error(
-        "the file belongs to other geometry: vertices, faces, mirrors or glass differ from the scene's; save the form factors anew"
+        "the file belongs to other geometry: vertices, faces, mirrors, metals or glass differ from the scene's; save the form factors anew"
     )]
     OtherScene,
 }

@@ -2,11 +2,12 @@
 
 use nalgebra::DMatrix;
 
-use super::exchange::Exchange;
+use super::FormFactors;
 
 /// A set of patches that sees only itself, lets nothing out and absorbs nothing in some channel, if there is one.
-pub(super) fn trapped(exchange: &Exchange, reflectance: &DMatrix<f64>) -> Option<Vec<usize>> {
-    reflectance.column_iter().find_map(|rho| {
+pub(super) fn trapped(factors: &FormFactors, reflectance: &DMatrix<f64>) -> Option<Vec<usize>> {
+    reflectance.column_iter().enumerate().find_map(|(channel, rho)| {
+        let exchange = factors.exchange_of(channel);
         // Only a set of perfect reflectors can be such a set; most scenes have none at all.
         let mut unvisited: Vec<bool> = rho.iter().map(|&r| r == 1.0).collect();
         (0..exchange.len()).find_map(|start| {

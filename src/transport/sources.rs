@@ -118,7 +118,8 @@ impl From<DMatrix<f64>> for Sources {
 /// Parts of the rays by which their noise is told.
 pub(super) const PARTS: usize = 8;
 
-/// What rays towards one light find, part by part.
+/// What rays towards one light find in one channel, part by part.
+#[derive(Clone)]
 struct Parts<const N: usize> {
     /// What they would bring if nothing stood in their way.
     whole: [f64; PARTS],
@@ -175,9 +176,13 @@ impl Look<'_> {
         let facet = self.patches.facet(self.tracer, slot);
         let [a, b, c] = facet.corners;
         let area = self.patches.areas()[patch];
-        let mut add = |seen: &Parts<N>, scale: f64, power: &[f64]| {
-            for (row, sum) in moments.chunks_exact_mut(self.channels).zip(seen.sums().as_flattened()) {
-                row.iter_mut().zip(power).for_each(|(moment, power)| *moment += area * scale * sum * power);
+        // What thin glass leaves of a ray, per channel.
+        let mut left = vec![1.0; self.channels];
+        let mut add = |seen: &[Parts<N>], scale: f64, power: &[f64]| {
+            for (c, seen) in seen.iter().enumerate() {
+                for (row, sum) in moments.chunks_exact_mut(self.channels).zip(seen.sums().as_flattened()) {
+                    row[c] += area * scale * sum * power[c];
+                }
             }
         };
         for light in 0..self.lights.len() {
@@ -189,7 +194,7 @@ impl Look<'_> {
             let rays = self.rays.div_ceil(4);
             let stream = STREAM + ((light as u64) << 32);
             let (sequence, points) = sampling::Sequence::stretch(self.seed, stream, slot, 0, rays);
-            let mut seen = Parts::<N>::default();
+            let mut seen = vec![Parts::<N>::default(); self.channels];
             let first = points.start;
             for k in points {
                 let [s, t, u, v] = sequence.point(k);
@@ -201,18 +206,22 @@ impl Look<'_> {
                     continue;
                 }
                 let part = ((k - first) as usize * PARTS) / rays as usize;
-                seen.whole[part] += weight;
-                if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, (point, facet.face)) {
-                    seen.add(part, weight * beam.share, phi([s, t]));
+                seen.iter_mut().for_each(|seen| seen.whole[part] += weight);
+                left.fill(1.0);
+                let place = (point, facet.face);
+                if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, place, &mut left) {
+                    for (seen, left) in seen.iter_mut().zip(&left) {
+                        seen.add(part, weight * beam.share * left, phi([s, t]));
+                    }
                 }
             }
-            let whole: f64 = seen.whole.iter().sum();
+            let whole: f64 = seen[0].whole.iter().sum();
             // Scale to what is known of all rays together.
             let scale = match mean {
                 Some(mean) if whole > 0.0 => mean / whole,
                 Some(_) => 0.0,
                 None => {
-                    seen.whole = [1.0; PARTS];
+                    seen.iter_mut().for_each(|seen| seen.whole = [1.0; PARTS]);
                     1.0 / f64::from(rays)
                 }
             };
@@ -220,37 +229,24 @@ impl Look<'_> {
         }
         if let Some(sky) = self.lights.sky() {
             let (sequence, points) = sampling::Sequence::stretch(self.seed, SKY_STREAM, slot, 0, self.rays);
-            // A sky of one colour is summed up once, others channel by channel.
-            let mut seen = [(); 3].map(|()| Parts::<N> { whole: [1.0; PARTS], ..Default::default() });
+            let even = Parts::<N> { whole: [1.0; PARTS], ..Default::default() };
+            let mut seen = vec![even; self.channels];
             let first = points.start;
             for k in points {
                 let [s, t, u, v] = sequence.point(k);
                 let [s, t] = sampling::uniform_triangle([s, t]);
                 let SkyBeam { direction, weight, tint } = sky.sample(facet.normal, [u, v]);
                 let ray = Ray { origin: a + (b - a) * s + (c - a) * t, direction, from: facet.face };
-                if !(weight > 0.0 && self.tracer.is_clear(&ray, f64::INFINITY)) {
-                    continue;
-                }
-                let part = ((k - first) as usize * PARTS) / self.rays as usize;
-                match tint {
-                    None => seen[0].add(part, weight, phi([s, t])),
-                    Some(tint) => {
-                        let channels = seen.iter_mut().zip(tint).take(self.channels);
-                        channels.for_each(|(seen, tint)| seen.add(part, weight * tint, phi([s, t])));
+                left.fill(1.0);
+                if weight > 0.0 && self.tracer.passes(&ray, f64::INFINITY, &mut left) {
+                    let part = ((k - first) as usize * PARTS) / self.rays as usize;
+                    for (c, (seen, left)) in seen.iter_mut().zip(&left).enumerate() {
+                        let tint = tint.map_or(1.0, |tint| tint[c]);
+                        seen.add(part, weight * tint * left, phi([s, t]));
                     }
                 }
             }
-            let scale = 1.0 / f64::from(self.rays);
-            match sky.is_tinted() {
-                false => add(&seen[0], scale, sky.zenith()),
-                true => {
-                    for (c, (seen, zenith)) in seen.iter().zip(sky.zenith()).enumerate() {
-                        let mut alone = [0.0; 3];
-                        alone[c] = *zenith;
-                        add(seen, scale, &alone);
-                    }
-                }
-            }
+            add(&seen, 1.0 / f64::from(self.rays), sky.zenith());
         }
     }
 }

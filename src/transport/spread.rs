@@ -33,7 +33,7 @@ pub struct Spread {
 
 impl FormFactors {
     /// By how much each batch of rays changes the irradiance π M⁻¹ S L that radiance L (N × c) causes, averaged over patches. `clusters` are a
-    /// few hundred at most, and `merged` is what they exchange.
+    /// few hundred at most, and `merged` is what they exchange, [`FormFactors::merged`].
     ///
     /// # Errors
     /// `NoRays` unless the rays were kept, or there were none.
@@ -45,7 +45,7 @@ impl FormFactors {
         patches: &Patches,
         radiance: &DMatrix<f64>,
         clusters: &Clusters,
-        merged: &Exchange,
+        merged: &FormFactors,
     ) -> Result<Spread, TransportError> {
         let zero = || vec![DMatrix::zeros(patches.len(), radiance.ncols()); BATCHES as usize];
         if self.rays() == 0 {
@@ -54,33 +54,38 @@ impl FormFactors {
         }
         let rows = self.rows().ok_or(TransportError::NoRays)?;
         assert!(
-            radiance.nrows() == self.exchange().len() && merged.len() == clusters.count,
+            radiance.nrows() == self.exchange().len() && merged.exchange().len() == clusters.count,
             "N × c, and a row a cluster"
         );
         let is_lamp = |i: usize| {
             let place = patches.place(i);
             place.side == Side::Front && rows.lamp_faces.binary_search(&(place.face as u32)).is_ok()
         };
-        let setting = Setting {
-            exchange: self.exchange(),
-            rows,
-            row_of: (0..patches.len()).map(|i| rows.of(patches.slot_of_patch(i))).collect(),
-            patches,
-            is_lamp: (0..patches.len()).map(is_lamp).collect(),
-            clusters,
-            merged,
-        };
         let channels = radiance.ncols();
         let mut spread = Spread { rays: zero(), lamps: zero() };
-        for first in (0..channels).step_by(ONES) {
-            let [rays, lamps] = setting.changes(radiance, first);
-            for (all, some) in [(&mut spread.rays, rays), (&mut spread.lamps, lamps)] {
-                for (all, some) in all.iter_mut().zip(some) {
-                    for c in first..channels.min(first + ONES) {
-                        all.column_mut(c)
-                            .iter_mut()
-                            .zip(&some)
-                            .for_each(|(all, lanes)| *all = lanes[c - first]);
+        for (tone, (exchange, merged)) in self.exchanges().iter().zip(merged.exchanges()).enumerate() {
+            let setting = Setting {
+                exchange,
+                rows,
+                row_of: (0..patches.len()).map(|i| rows.of(patches.slot_of_patch(i))).collect(),
+                patches,
+                tone,
+                is_lamp: (0..patches.len()).map(is_lamp).collect(),
+                clusters,
+                merged,
+            };
+            let own: Vec<usize> = (0..channels).filter(|&c| self.tone_of(c) == tone).collect();
+            let radiance = radiance.select_columns(&own);
+            for (few, first) in own.chunks(ONES).zip((0..).step_by(ONES)) {
+                let [rays, lamps] = setting.changes(&radiance, first);
+                for (all, some) in [(&mut spread.rays, rays), (&mut spread.lamps, lamps)] {
+                    for (all, some) in all.iter_mut().zip(some) {
+                        for (lane, &c) in few.iter().enumerate() {
+                            all.column_mut(c)
+                                .iter_mut()
+                                .zip(&some)
+                                .for_each(|(all, lanes)| *all = lanes[lane]);
+                        }
                     }
                 }
             }
@@ -95,6 +100,7 @@ struct Setting<'a> {
     rows: &'a Rows,
     row_of: Vec<Option<&'a Row>>,
     patches: &'a Patches<'a>,
+    tone: usize,
     is_lamp: Vec<bool>,
     clusters: &'a Clusters,
     merged: &'a Exchange,
@@ -191,8 +197,7 @@ impl Setting<'_> {
             let Some(row) = row else { continue };
             let spots = |k: usize| row.spots.get(k).copied().unwrap_or_default();
             let mut starts = (K > 1).then(|| origins(row.slot, recipe).skip(stretch.start));
-            let ends = row.landings[stretch.clone()].iter().zip(stretch.clone());
-            for (&end, k) in ends {
+            for (end, k) in row.ends(stretch.clone(), self.tone).zip(stretch.clone()) {
                 let here = phi(starts.as_mut().and_then(Iterator::next).unwrap_or_default());
                 match Outcome::of(end, self.patches) {
                     Outcome::Left(_) => {
@@ -219,7 +224,8 @@ impl Setting<'_> {
             if self.is_lamp[i] {
                 continue;
             }
-            for caustic in self.rows.caustics.of(row.slot).iter().filter(|c| c.batch as usize == batch) {
+            let caustics = self.rows.caustics.of(row.slot, self.tone, None);
+            for caustic in caustics.filter(|c| usize::from(c.batch) == batch) {
                 if let Some(j) = self.patches.patch_of_slot(caustic.lamp) {
                     let [here, there] = caustic.ends.map(&phi);
                     let j = j as usize;

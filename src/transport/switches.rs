@@ -6,7 +6,7 @@ use super::{Occlusion, Plan, TraceOptions};
 use crate::scene::{Feature, Scene};
 
 /// Effects that can be left out, what each loses, and what is left out of the scene for it, if that is all.
-const SWITCHES: [(&str, &str, Option<Feature>); 12] = [
+const SWITCHES: [(&str, &str, Option<Feature>); 15] = [
     (
         "interreflection",
         "surfaces light no others: what comes straight from lamps, lights and sky is all there is",
@@ -25,6 +25,13 @@ const SWITCHES: [(&str, &str, Option<Feature>); 12] = [
         "dielectric",
         "glass and water are not there: light passes straight on, unfiltered",
         Some(Feature::Dielectric),
+    ),
+    ("thin glass", "thin glass is not there: light passes unfiltered", Some(Feature::ThinGlass)),
+    ("gloss", "rough metals are diffuse surfaces of the same reflectance", Some(Feature::Gloss)),
+    (
+        "carrier colour",
+        "mirrors, metals and glass are grey, by the mean of their channels",
+        Some(Feature::CarrierColour),
     ),
     (
         "caustics",

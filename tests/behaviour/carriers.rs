@@ -183,6 +183,12 @@ fn agrees_with_another_renderer_on_a_floor_under_glass_balls() {
 }
 
 #[test]
+fn agrees_with_another_renderer_where_rough_metals_of_any_colour_pass_light_on() {
+    let error = error_against("glossy_floor", &load("meshes/glossy_floor.obj"), None);
+    assert!(error < 0.008, "{error}");
+}
+
+#[test]
 fn every_shading_shows_the_lamp_behind_the_camera_in_the_mirror_before_it() {
     let square = |z: f64| [[-1.0, -1.0, z], [1.0, -1.0, z], [1.0, 1.0, z], [-1.0, 1.0, z]];
     let lamp = Material::lamp("lamp", &[0.0; 3], &[2.0, 1.0, 0.5]);
@@ -271,14 +277,14 @@ fn the_plan_simulates_what_mirrors_and_glass_call_for() {
     assert_eq!(on("meshes/mirror_room.obj"), ["mirror", "caustics"]);
     assert_eq!(on("meshes/glass_balls.obj"), ["dielectric", "caustics"]);
     assert_eq!(on("meshes/cornell_box.obj"), [""; 0]);
-    // What is not carried is said.
-    let missing = |ks: [f64; 3]| {
+    // Coloured ones make channels differ.
+    let colour = |ks: [f64; 3]| {
         let walls = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
-        Plan::new(&quads(&walls, vec![Material::mirror("gold", &ks)]))
-            .missing()
-            .map(|e| e.reason.clone())
-            .collect::<String>()
+        let plan = Plan::new(&quads(&walls, vec![Material::mirror("gold", &ks)]));
+        assert_eq!(plan.missing().count(), 0);
+        let effect = plan.effects.iter().find(|e| e.effect == "carrier colour").unwrap();
+        (effect.on, effect.reason.contains("gold"))
     };
-    assert!(missing([0.9, 0.8, 0.3]).contains("gold"));
-    assert_eq!(missing([0.9; 3]), "");
+    assert_eq!(colour([0.9, 0.8, 0.3]), (true, true));
+    assert_eq!(colour([0.9; 3]), (false, false));
 }

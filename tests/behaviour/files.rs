@@ -404,7 +404,7 @@ fn faces_without_a_material_are_grey_even_where_a_material_is_called_default() {
 
 #[test]
 fn what_is_not_simulated_yet_is_recognised_and_named() {
-    for (lines, effect) in [("Pr 0.3", "gloss"), ("Pm 1", "gloss"), ("illum 5\nNs 100", "gloss")] {
+    for (lines, effect) in [("Pr 0.3", "plastic"), ("Pm 0.2", "plastic"), ("illum 5\nNs 100", "plastic")] {
         let scene = loaded(&mtl(&format!("Kd 0.5\n{lines}")));
         let plan = Plan::new(&scene);
         let missing: Vec<_> = plan.missing().collect();
@@ -442,12 +442,37 @@ fn mirrors_and_glass_are_recognised_by_their_illumination_model() {
 }
 
 #[test]
+fn metals_are_recognised_by_their_metalness_or_their_highlight_without_a_base() {
+    let metal = |lines: &str| {
+        let scene = loaded(&mtl(lines));
+        match scene.materials()[0].surface.clone() {
+            Surface::Conductor { reflectance, roughness } => {
+                (reflectance[0], (1000.0 * roughness).round() / 1000.0, scene.warnings().len())
+            }
+            other => panic!("{lines}: {other:?}"),
+        }
+    };
+    assert_eq!(metal("Kd 0.8\nPm 1\nPr 0.4"), (0.8, 0.4, 0));
+    assert_eq!(metal("Kd 0.8\nPm 0.6\nPr 0.4"), (0.8, 0.4, 1));
+    assert_eq!(metal("Pm 1"), (1.0, 0.3, 2));
+    // α² = 2/(Ns + 2) is 0.02.
+    assert_eq!(metal("Ks 0.9\nNs 98\nillum 5"), (0.9, 0.376, 0));
+    assert_eq!(metal("Kd 0\nKs 0.9\nNs 98\nPr 0.2\nillum 5"), (0.9, 0.2, 0));
+    let lamp = loaded(&mtl("Kd 0.5\nKe 1\nPm 1\nPr 0.3"));
+    assert_eq!((lamp.materials()[0].surface.clone(), lamp.warnings().len()), (Surface::Diffuse, 1));
+}
+
+#[test]
 fn refuses_mirrors_and_glass_that_cannot_be() {
     for (lines, words) in [
         ("illum 4\nNi 0", ["material m", "index of refraction 0", "1.5"]),
         ("illum 6\nNi -1.5", ["material m", "index of refraction -1.5", "positive"]),
         ("illum 4\nNi 1.5\nTf 1.2", ["material m", "filter 1.2", "between 0 and 1"]),
         ("illum 3\nKs 1.5", ["material m", "mirror reflectance 1.5", "between 0 and 1"]),
+        ("illum 5\nKs 1.5", ["material m", "reflectance 1.5 of a metal", "between 0 and 1"]),
+        ("Pm 1\nPr 1.5", ["a.mtl:", "Pr", "from 0 to 1"]),
+        ("Pm -1\nPr 0.5", ["a.mtl:", "Pm", "from 0 to 1"]),
+        ("illum 5\nNs -1", ["a.mtl:", "Ns", "negative"]),
     ] {
         says(&refusal(&mtl(lines)), &words);
     }

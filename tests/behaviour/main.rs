@@ -1,6 +1,7 @@
 //! What the crate and its program promise, seen from outside: a map of behaviours.
 
 mod carriers; // mirrors and glass: closed forms, another renderer, bad input, pictures, saved form factors
+mod coloured_carriers; // mirrors, metals and glass by channel: light paths, energy, saved form factors, receivers
 mod commands; // what the program writes, prints and answers
 mod comparison; // the verdict on right solvers and on wrong ones
 mod convex; // exact form factors where nothing can hide anything
@@ -10,6 +11,7 @@ mod error_bars; // what an answer says of its own error, held against what the e
 mod files; // what scene files mean, and how bad ones are refused
 mod form_factor_files; // form factors as CSV, Matrix Market and NumPy files, and the command that writes them
 mod form_factors; // closed forms, judged by standard errors
+mod gloss; // rough metals: a furnace, light paths, another renderer, pictures
 mod hard_cases; // near-singular, tiny, huge, degenerate: every solver, both storages
 mod health; // what check finds, on sound scenes and on broken ones
 mod ies; // photometric files of luminaires
@@ -25,6 +27,7 @@ mod saved_factors; // what may change around saved form factors, and what may no
 mod structure; // modules import only from their left
 mod study; // accuracy against time: errors that fall, noise that is called noise, studies that resume
 mod textures; // pictures on surfaces: averages, light paths, renderings, files
+mod thin_glass; // sheets: a slab, a furnace, sun and sky through windows, pictures, settings
 
 mod scenes; // small scenes, made on the spot
 mod scratch; // a temporary folder for all of them

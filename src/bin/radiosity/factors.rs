@@ -174,7 +174,7 @@ impl FactorsArgs {
                 (patches, factors)
             }
         };
-        terminal.takes(factors.exchange().bytes());
+        terminal.takes(factors.bytes());
         if let Some(path) = &self.save_factors {
             progress.at("write", 0.0)?;
             output::replace(path, |file| factors.save(&patches, file))?;

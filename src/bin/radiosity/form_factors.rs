@@ -102,7 +102,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         false => Some(FormFactors::trace(&tracer, &mut patches, &options)?),
     };
     if let Some(factors) = &factors {
-        terminal.takes(factors.exchange().bytes());
+        terminal.takes(factors.bytes());
     } else {
         terminal.warn("no face sees another: everything escapes");
     }

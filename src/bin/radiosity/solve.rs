@@ -8,7 +8,7 @@ use radiosity::patches::Basis;
 use radiosity::scene::Feature;
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Exchange, LightOptions, ReceiverRows, Sources, Transport};
+use radiosity::transport::{FormFactors, LightOptions, ReceiverRows, Sources, Transport};
 
 use crate::accuracy::{self, GoalArgs};
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
@@ -190,14 +190,15 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     if args.run.json {
         terminal.print(serde_json::to_string_pretty(&summary)?)?;
     }
-    terminal.say(report(&summary, scene.faces().len(), factors.exchange()))?;
+    terminal.say(report(&summary, scene.faces().len(), &factors))?;
     let folder = args.scene.folder(&scene);
     terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()))?;
     Ok(())
 }
 
 /// What the user wants to know, in a dozen lines.
-fn report(summary: &Summary, faces: usize, exchange: &Exchange) -> String {
+fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
+    let exchange = factors.exchange();
     let Summary { solver, series, energy, closure, .. } = summary;
     let channels =
         if summary.channels == 1 { "one channel".into() } else { format!("{} channels", summary.channels) };
@@ -213,7 +214,7 @@ fn report(summary: &Summary, faces: usize, exchange: &Exchange) -> String {
         format!("{}: {faces} faces, {} patches{elements}, {channels}\n", summary.scene, summary.patches),
         format!(
             "form factors  {rays}, {:.1} MB {}; rows close to {:.0e}, from {:.0e} before balancing",
-            exchange.bytes() as f64 / 1e6,
+            factors.bytes() as f64 / 1e6,
             summary.storage,
             closure.after,
             closure.before

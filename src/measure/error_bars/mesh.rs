@@ -46,7 +46,7 @@ fn solved_on(
     let each = basis.coefficients();
     let of_coefficient: Vec<usize> =
         clusters.of_patch.iter().flat_map(|&cluster| std::iter::repeat_n(cluster, each)).collect();
-    let merged = FormFactors::from(factors.exchange().merged(&of_coefficient, clusters.count));
+    let merged = factors.merged(&of_coefficient, clusters.count);
     let mean = |field: &DMatrix<f64>| patches.average_by(clusters, field);
     let k = Transport::new(&merged, mean(&patches.reflectances()))?;
     let sources = Sources {

@@ -37,14 +37,13 @@ impl Noise {
         let each = factors.basis().coefficients();
         let of_coefficient: Vec<usize> =
             clusters.of_patch.iter().flat_map(|&cluster| std::iter::repeat_n(cluster, each)).collect();
-        let merged = factors.exchange().merged(&of_coefficient, clusters.count);
+        let merged = factors.merged(&of_coefficient, clusters.count);
         let mut spread = factors.spread(patches, radiance, &clusters, &merged)?;
         for (lamps, lights) in spread.lamps.iter_mut().zip(&sources.spread) {
             *lamps += factors.basis().means(lights) / EVENNESS;
         }
         let mean = |field: &DMatrix<f64>| patches.average_by(&clusters, field);
         let reflectance = patches.reflectances();
-        let merged = FormFactors::from(merged);
         let k = Transport::new(&merged, mean(&reflectance))?;
         let solver = direct(&k, &DirectOptions::default())?;
         let reflected_on = |mut change: DMatrix<f64>| {

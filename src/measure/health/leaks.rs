@@ -11,7 +11,7 @@ use super::{Finding, Verdict, shape};
 use crate::patches::{Facet, Patches};
 use crate::scene::Side;
 use crate::trace::sampling::{self, SEQUENCE_END, Sequence};
-use crate::trace::{Destination, Ray, Tracer};
+use crate::trace::{Destination, Ray, Tint, Tracer};
 
 /// Paths of light that are followed, and after how many bounces they are given up.
 const PATHS: u32 = SEQUENCE_END;
@@ -127,8 +127,7 @@ fn last_ray(tracer: &Tracer, start: Facet, seed: u64, path: u32) -> Option<Ray> 
     let mut ray = start.rays(sequence(0), path..path + 1).next()?;
     for bounce in 1..=BOUNCES {
         let numbers = |k: u32| sequence(bounce).dimensions(path, k + 1);
-        let survives =
-            |colour: &[f64], chance: f64| chance < colour.iter().sum::<f64>() / colour.len() as f64;
+        let survives = |colour: Tint, chance: f64| chance < colour.mean();
         let hit = match tracer.destination(&ray, numbers, survives) {
             Destination::Diffuse { hit, .. } => hit,
             Destination::Away(last) => return Some(last),

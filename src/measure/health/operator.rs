@@ -31,8 +31,19 @@ pub fn operator_health(
     patches: &Patches,
     progress: Progress,
 ) -> Result<Vec<Finding>, SolveError> {
-    let exchange = factors.exchange();
-    let mut findings = vec![closure(exchange, patches), reciprocity(exchange), row_sums(exchange, patches)];
+    // The worst of the tones stands for all.
+    let worst = |of: &dyn Fn(&Exchange) -> Finding| {
+        let each = factors.exchanges().iter().map(of);
+        each.reduce(|a, b| if b.value > a.value { b } else { a })
+    };
+    let mut findings: Vec<Finding> = [
+        worst(&|exchange| closure(exchange, patches)),
+        worst(&reciprocity),
+        worst(&|exchange| row_sums(exchange, patches)),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
     match Transport::of(factors, patches) {
         Ok(k) => {
             findings.push(norm(&k));

@@ -32,16 +32,24 @@ impl Beams {
         (!lights.is_empty() || sky.is_some()).then_some(Self { lights, sky, environment })
     }
 
-    /// Calls `arrives(part, power)` for each part · power (per channel) of the irradiance at `place`, straight from lights and sky.
+    /// Calls `arrives(part, power)` for each part · power (per channel; `scratch` has as many values) of the irradiance at `place`, straight from lights and sky.
     #[inline]
     pub fn look(
         &self,
         tracer: &Tracer,
         place: &Place,
         [u, v, s, t]: [f64; 4],
+        scratch: &mut [f64],
         mut arrives: impl FnMut(f64, &[f64]),
     ) {
         let ray = |direction: DVec3| Ray { origin: place.point, direction, from: place.face };
+        // Dim the power by the glass it comes through.
+        let mut look = |part: f64, direction: DVec3, distance: f64, power: &[f64]| {
+            scratch.copy_from_slice(power);
+            if tracer.passes(&ray(direction), distance, scratch) {
+                arrives(part, scratch);
+            }
+        };
         for light in &self.lights {
             match light {
                 Light::Point { position, intensity }
@@ -54,8 +62,8 @@ impl Beams {
                     let metres = distance * tracer.frame().scale();
                     let part =
                         place.normal.dot(direction) * light.share_towards(-direction) / (metres * metres);
-                    if part > 0.0 && part.is_finite() && tracer.is_clear(&ray(direction), distance) {
-                        arrives(part, intensity);
+                    if part > 0.0 && part.is_finite() {
+                        look(part, direction, distance, intensity);
                     }
                 }
                 Light::Sun { direction, irradiance, diameter } => {
@@ -69,8 +77,8 @@ impl Beams {
                     // Its solid angle by its radiance per irradiance: 2π(1 − cos α) / (π sin²α).
                     let spread = 2.0 / (1.0 + radius.cos());
                     let part = place.normal.dot(towards) * spread;
-                    if part > 0.0 && tracer.is_clear(&ray(towards), f64::INFINITY) {
-                        arrives(part, irradiance);
+                    if part > 0.0 {
+                        look(part, towards, f64::INFINITY, irradiance);
                     }
                 }
             }
@@ -87,8 +95,8 @@ impl Beams {
         } else if let Some((shares, sky)) = &self.sky {
             let towards = frame_around(place.normal) * cosine_hemisphere([s, t]);
             let part = PI * shares.from(towards);
-            if part > 0.0 && tracer.is_clear(&ray(towards), f64::INFINITY) {
-                arrives(part, &sky.zenith);
+            if part > 0.0 {
+                look(part, towards, f64::INFINITY, &sky.zenith);
             }
         }
     }

@@ -27,7 +27,7 @@ use crate::trace::sampling::Sequence;
 use crate::trace::{Hit, Ray, Tracer};
 use estimate::Half;
 use rounds::{first_round, next_round};
-use walk::{Numbers, Place, Walker};
+use walk::{Beyond, Met, Numbers, Place, Walker};
 
 /// Where the streams of random sequences start; one a patch and half.
 const STREAM: u64 = 1 << 50;
@@ -64,7 +64,7 @@ impl Default for PathOptions<'_> {
     }
 }
 
-/// A path tracer for scenes of diffuse surfaces, mirrors and glass.
+/// A path tracer for scenes of diffuse surfaces, mirrors, glass and rough conductors.
 #[derive(Debug)]
 pub struct PathTracer<'t, 's> {
     walker: Walker<'t, 's>,
@@ -87,23 +87,41 @@ impl<'t, 's> PathTracer<'t, 's> {
         let first = walker.tracer.closest_hit(ray)?;
         let mut numbers = Numbers { sequence, point: k, set: 1 };
         let mut colour = vec![1.0; walker.channels];
-        let hit = if walker.tracer.is_carrier(first.face) {
-            match walker.beyond_carriers(*ray, first, &mut numbers, &mut colour) {
-                Some(hit) => hit,
-                None => return Some(first),
+        let mut weight = vec![0.0; 2 * walker.channels];
+        let met = if walker.tracer.is_carrier(first.face) {
+            let scratch = &mut weight[..walker.channels];
+            let lamp_seen = |part: f64, weight: &[f64], emission: &[f64]| {
+                let seen = emission.iter().zip(weight);
+                radiance.iter_mut().zip(seen).for_each(|(sum, (e, weight))| *sum += part * e * weight);
+            };
+            match walker.beyond_carriers(*ray, first, &mut numbers, [&mut colour, scratch], lamp_seen) {
+                Beyond::Met(met) => met,
+                Beyond::Away(last) => {
+                    if let Some(sky) = walker.tracer.scene().sky() {
+                        let (share, tint) = sky.shares().tinted(last.direction);
+                        let tint = tint.unwrap_or([1.0; 3]);
+                        let seen = sky.zenith.iter().zip(&colour).zip(tint);
+                        radiance.iter_mut().zip(seen).for_each(|(sum, ((zenith, colour), tint))| {
+                            *sum += share * tint * zenith * colour
+                        });
+                    }
+                    return Some(first);
+                }
+                Beyond::Nowhere => return Some(first),
             }
         } else {
-            first
+            Met { hit: first, direction: ray.direction, density: None }
         };
+        let hit = met.hit;
         let mut own = [0.0; 3];
-        if hit.side == Side::Front {
+        if hit.side == Side::Front && walker.lights.density(hit.face) > 0.0 {
+            let trust = walker.trust(&met);
             let emission = walker.emission(hit.face, hit.barycentrics, &mut own);
             let seen = emission.iter().zip(&colour);
-            radiance.iter_mut().zip(seen).for_each(|(sum, (e, colour))| *sum += e * colour);
+            radiance.iter_mut().zip(seen).for_each(|(sum, (e, colour))| *sum += trust * e * colour);
         }
         let rho = walker.reflectance(hit.face, hit.barycentrics, &mut own);
         let [s, t, ..] = numbers.next();
-        let mut weight = vec![0.0; walker.channels];
         let place = Place::of(walker.tracer, &hit);
         walker.irradiance(
             place,
@@ -222,7 +240,7 @@ impl<'t, 's> PathTracer<'t, 's> {
         let facet = patches.facet(self.walker.tracer, patches.slot_of_patch(patch));
         let stream = STREAM + 2 * patches.slot_of_patch(patch) as u64 + half as u64;
         let mut found = vec![0.0; sums.len()];
-        let mut weight = vec![0.0; channels];
+        let mut weight = vec![0.0; 2 * channels];
         for batch in range {
             let sequence = Sequence::new(options.seed, stream, u64::from(batch));
             found.fill(0.0);

@@ -5,7 +5,8 @@
 //! H(x) = E\[ π Lₑ(y) + ρ(y) H(y) \],
 //!
 //! so that a walk over y, y′, … sums up ρ(y) ρ(y′) … · π Lₑ. Lamps are found twice at every step: by ω, and by a point drawn on them. The
-//! two are joined by multiple importance sampling with the power heuristic (Veach 1997, eq. 9.13).
+//! two are joined by multiple importance sampling with the power heuristic (Veach 1997, eq. 9.13). So it is at rough conductors, which stand
+//! between x and y as mirrors and glass do, but have directions enough for a lamp to be found by either way.
 
 use std::f64::consts::PI;
 
@@ -15,7 +16,7 @@ use super::beams::Beams;
 use super::lights::Lights;
 use crate::scene::{FaceTexture, Side};
 use crate::trace::sampling::{Sequence, cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
-use crate::trace::{Hit, Ray, Tracer};
+use crate::trace::{Glossy, Hit, Ray, Tint, Tracer};
 
 /// Steps that every walk takes; from then on Russian roulette decides whether it goes on.
 const CERTAIN: usize = 3;
@@ -43,6 +44,25 @@ impl Place {
             normal: tracer.normal(hit.face as usize, hit.side),
         }
     }
+}
+
+/// A diffuse surface that a walk has come to.
+pub(super) struct Met {
+    pub hit: Hit,
+    /// Of the last ray.
+    pub direction: DVec3,
+    /// Its density per unit solid angle, where lamps are looked for from where it started; none after mirrors and glass.
+    pub density: Option<f64>,
+}
+
+/// Where a walk over carriers ends.
+pub(super) enum Beyond {
+    /// On a diffuse surface.
+    Met(Met),
+    /// Outside, by this ray.
+    Away(Ray),
+    /// In a carrier, or nowhere.
+    Nowhere,
 }
 
 /// The random numbers of a path: a point of a sequence, four dimensions at a time.
@@ -115,7 +135,7 @@ impl<'t, 's> Walker<'t, 's> {
 
     /// Walks on from `place`, first in direction `first` of the unit square. Calls `arrives(k, part, weight, emission)` for each part
     /// part·weight·emission (per channel) of the irradiance at `place` that, reflected there, is bounce k of the light: 0 for what comes straight
-    /// from a light without area. `weight` is scratch: one value a
+    /// from a light without area. `weight` is scratch: two values a
     /// channel. No more than `longest` reflections of what lamps emit.
     #[inline]
     pub fn irradiance(
@@ -127,10 +147,13 @@ impl<'t, 's> Walker<'t, 's> {
         longest: usize,
         mut arrives: impl FnMut(usize, f64, &[f64], &[f64]),
     ) {
+        let (weight, scratch) = weight.split_at_mut(self.channels);
         weight.fill(1.0);
         let mut direction = first;
         if let Some(beams) = &self.beams {
-            beams.look(self.tracer, &place, numbers.next(), |part, power| arrives(0, part, weight, power));
+            beams.look(self.tracer, &place, numbers.next(), scratch, |part, power| {
+                arrives(0, part, weight, power);
+            });
         }
         for k in 0.. {
             // Look straight at a lamp.
@@ -143,21 +166,24 @@ impl<'t, 's> Walker<'t, 's> {
             let outwards = frame_around(place.normal) * cosine_hemisphere(direction);
             let ray = Ray { origin: place.point, direction: outwards, from: place.face };
             let Some(first) = self.tracer.closest_hit(&ray) else { return };
-            let straight = !self.tracer.is_carrier(first.face);
-            let met = if straight { Some(first) } else { self.beyond_carriers(ray, first, numbers, weight) };
-            let Some(hit) = met else { return };
-            let next = Place::of(self.tracer, &hit);
-            // Count the lamp that was met; by way of carriers it can't be found otherwise.
-            let density = self.lights.density(hit.face);
-            if hit.side == Side::Front && density > 0.0 {
-                let trust = if straight {
-                    let by_direction = cosine_hemisphere_pdf(place.normal.dot(outwards));
-                    let by_light = density * hit.distance * hit.distance / -next.normal.dot(outwards);
-                    share(by_direction, by_light)
-                } else {
-                    1.0
+            let met = if self.tracer.is_carrier(first.face) {
+                let lamp_seen = |part: f64, weight: &[f64], emission: &[f64]| {
+                    arrives(k + 1, PI * part, weight, emission);
                 };
-                arrives(k + 1, PI * trust, weight, self.emission(hit.face, hit.barycentrics, &mut own));
+                match self.beyond_carriers(ray, first, numbers, [weight, scratch], lamp_seen) {
+                    Beyond::Met(met) => met,
+                    Beyond::Away(_) | Beyond::Nowhere => return,
+                }
+            } else {
+                let density = Some(cosine_hemisphere_pdf(place.normal.dot(outwards)));
+                Met { hit: first, direction: outwards, density }
+            };
+            let hit = met.hit;
+            let next = Place::of(self.tracer, &hit);
+            // Count the lamp that was met.
+            if hit.side == Side::Front && self.lights.density(hit.face) > 0.0 {
+                let emission = self.emission(hit.face, hit.barycentrics, &mut own);
+                arrives(k + 1, PI * self.trust(&met), weight, emission);
             }
             // Reflect, and let chance decide whether what is left is worth another step.
             let before = largest(weight);
@@ -169,7 +195,9 @@ impl<'t, 's> Walker<'t, 's> {
             }
             if let Some(beams) = &self.beams {
                 let random = numbers.next();
-                beams.look(self.tracer, &next, random, |part, power| arrives(k + 1, part, weight, power));
+                beams.look(self.tracer, &next, random, scratch, |part, power| {
+                    arrives(k + 1, part, weight, power);
+                });
             }
             if k == longest {
                 return;
@@ -186,40 +214,89 @@ impl<'t, 's> Walker<'t, 's> {
         }
     }
 
-    /// The diffuse surface on which a ray ends that mirrors and glass pass on from `hit`, by one way at each; nothing if it leaves or is
-    /// absorbed. Its weight takes on their colours.
+    /// Where a ray ends that carriers pass on from `hit`, by one way at each. Its weight takes on their colours; beside it there is scratch, both a value a channel. Calls `lamp_seen(part, weight, emission)` for each
+    /// part·weight·emission of the radiance that comes straight from a lamp by a rough conductor and was looked for there.
     pub fn beyond_carriers(
         &self,
         mut ray: Ray,
         mut hit: Hit,
         numbers: &mut Numbers,
-        weight: &mut [f64],
-    ) -> Option<Hit> {
+        [weight, scratch]: [&mut [f64]; 2],
+        mut lamp_seen: impl FnMut(f64, &[f64], &[f64]),
+    ) -> Beyond {
         for met in 0..MOST_CARRIERS {
-            let [way, life, ..] = numbers.next();
-            let scattered = self.tracer.scatter(&ray, &hit, way);
+            let glossy = self.tracer.glossy(&ray, &hit);
+            if let Some(glossy) = &glossy {
+                // Look straight at a lamp.
+                let [u, v, ..] = numbers.next();
+                let mut own = [0.0; 3];
+                self.look_at_light_from(glossy, hit.face, [u, v], |part, tint, (face, point)| {
+                    scratch.iter_mut().zip(&*weight).zip(tint.parts()).for_each(|((s, w), t)| *s = w * t);
+                    lamp_seen(part, scratch, self.emission(face, point, &mut own));
+                });
+            }
+            let [way, life, u, v] = numbers.next();
+            let scattered = self.tracer.scatter(&ray, &hit, [way, u, v], || numbers.next());
             if let Some(colour) = scattered.colour {
                 let before = largest(weight);
-                weight.iter_mut().zip(colour).for_each(|(w, part)| *w *= part);
+                weight.iter_mut().zip(colour.parts()).for_each(|(w, part)| *w *= part);
                 let survival = largest(weight) / before;
                 if survival.is_nan() || survival == 0.0 {
-                    return None;
+                    return Beyond::Nowhere;
                 }
                 // Far on its way, let chance decide whether what is left is worth another step.
                 if met >= CERTAIN {
                     if life >= survival {
-                        return None;
+                        return Beyond::Nowhere;
                     }
                     weight.iter_mut().for_each(|w| *w /= survival);
                 }
             }
             ray = scattered.ray;
-            hit = self.tracer.closest_hit(&ray)?;
+            let Some(next) = self.tracer.closest_hit(&ray) else { return Beyond::Away(ray) };
+            hit = next;
             if !self.tracer.is_carrier(hit.face) {
-                return Some(hit);
+                let density = glossy.map(|glossy| glossy.density(ray.direction));
+                return Beyond::Met(Met { hit, direction: ray.direction, density });
             }
         }
-        None
+        Beyond::Nowhere
+    }
+
+    /// How much of a lamp that was met is to be believed, beside what is found by points drawn on lamps.
+    pub fn trust(&self, Met { hit, direction, density }: &Met) -> f64 {
+        let Some(by_direction) = *density else { return 1.0 };
+        let cosine = -self.tracer.normal(hit.face as usize, hit.side).dot(*direction);
+        share(by_direction, self.lights.density(hit.face) * hit.distance * hit.distance / cosine)
+    }
+
+    /// A point on a lamp that is seen from a rough conductor: calls `seen(part, tint, (face, point))` for parts of the radiance that is sent on, per unit of
+    /// its emission.
+    fn look_at_light_from<'w>(
+        &'w self,
+        glossy: &Glossy<'w>,
+        from: u32,
+        square: [f64; 2],
+        mut seen: impl FnMut(f64, Tint, (u32, [f64; 2])),
+    ) {
+        let Some(light) = self.lights.sample(square).filter(|light| light.face != from) else { return };
+        let between = light.point - glossy.point();
+        let distance = between.length();
+        let direction = between / distance;
+        let cosine = -light.normal.dot(direction);
+        let reflected = glossy.reflected(direction);
+        let by_direction = reflected[0].0 + reflected[1].0;
+        if cosine <= 0.0 || by_direction <= 0.0 {
+            return;
+        }
+        if !self.tracer.unoccluded((glossy.point(), from), (light.point, light.face)) {
+            return;
+        }
+        let by_light = light.density * distance * distance / cosine;
+        let trust = share(by_light, by_direction);
+        for (value, tint) in reflected {
+            seen(value / by_light * trust, tint, (light.face, light.barycentrics));
+        }
     }
 
     /// A point on a lamp that is seen from `place`: irradiance per unit of its emission, its face, and where on it.

@@ -12,14 +12,20 @@ use nalgebra::DMatrix;
 
 use super::super::to_rgb;
 use super::field::{Elements, rgb_rows};
+use super::highlights::{Highlights, Views};
+use super::reflections::rgb_of;
 use crate::patches::{Barycentrics, Patches};
 use crate::scene::Side;
 use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around};
-use crate::trace::{Destination, Hit, LampView, Lamps, Lights, Ray, Tracer, geometry_term};
+use crate::trace::{Hit, LampView, Lamps, Lights, Ray, Tracer, geometry_term};
+
+/// A camera's ray that has met more carriers than this is given up.
+const MOST_CARRIERS: u32 = 256;
 
 /// All it takes to gather light at a point.
 pub(super) struct Gather<'a, 's> {
     tracer: &'a Tracer<'s>,
+    highlights: Option<Highlights<'a, 's>>,
     patches: &'a Patches<'s>,
     lamps: Lamps,
     lights: Option<Lights>,
@@ -42,27 +48,12 @@ struct Place {
     normal: DVec3,
 }
 
-/// How lamps look from the faces that a pixel shows, each seen from where the pixel's first ray met it. A view for every ray took
-/// half as long again in three scenes and lowered noise in none.
-#[derive(Default)]
-pub(super) struct Views(Vec<(u32, Side, LampView)>);
-
-impl Views {
-    fn seen_at(&mut self, lamps: &Lamps, place: &Place) -> &LampView {
-        let known = self.0.iter().position(|&(face, side, _)| (face, side) == (place.face, place.side));
-        let k = known.unwrap_or_else(|| {
-            self.0.push((place.face, place.side, lamps.view_from(&[place.point], place.normal)));
-            self.0.len() - 1
-        });
-        &self.0[k].2
-    }
-}
-
 impl<'a, 's> Gather<'a, 's> {
     pub fn new(tracer: &'a Tracer<'s>, patches: &'a Patches<'s>, radiance: &DMatrix<f64>) -> Self {
         let materials = tracer.scene().materials();
         Self {
             tracer,
+            highlights: Highlights::new(tracer),
             patches,
             lamps: Lamps::new(tracer),
             lights: Lights::new(tracer),
@@ -74,41 +65,69 @@ impl<'a, 's> Gather<'a, 's> {
     }
 
     /// The radiance that comes along a camera's ray, and what the ray met first; none where no light comes. Random numbers are those of a
-    /// point of a sequence, from dimension set 1 on; where the ray meets carriers it takes one way at each, by chance.
-    pub fn seen_along(&self, ray: &Ray, numbers: (Sequence, u32), views: &mut Views) -> Option<(Hit, DVec3)> {
-        let first = self.tracer.closest_hit(ray)?;
-        let (hit, colour) = match self.tracer.is_carrier(first.face) {
-            false => (first, DVec3::ONE),
-            true => match self.beyond_carriers(ray, numbers, 3) {
-                Some((hit, colour, _)) => (hit, colour),
-                None => return Some((first, DVec3::ZERO)),
-            },
-        };
-        let lit = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics).is_some();
-        match (lit, self.tracer.is_carrier(first.face)) {
-            (true, _) => Some((first, colour * self.radiance(&hit, numbers, views))),
-            (false, true) => Some((first, DVec3::ZERO)),
-            (false, false) => None,
-        }
-    }
-
-    /// Where a ray ends, by what colour it is dimmed on its way there over carriers, and whether there were any.
-    fn beyond_carriers(
+    /// point of a sequence, from dimension set 1 on; where the ray meets carriers it takes one way at each, by chance, and where that leads
+    /// outside it sees `away`.
+    pub fn seen_along(
         &self,
         ray: &Ray,
-        (sequence, point): (Sequence, u32),
-        first_set: u32,
-    ) -> Option<(Hit, DVec3, bool)> {
-        let mut colour = DVec3::ONE;
-        let dims = |part: &[f64], _: f64| {
-            colour *= DVec3::from(to_rgb(part));
-            colour.max_element() > 0.0
-        };
-        let numbers = |k: u32| sequence.dimensions(point, first_set + 2 * k);
-        match self.tracer.destination(ray, numbers, dims) {
-            Destination::Diffuse { hit, carried } => Some((hit, colour, carried)),
-            Destination::Away(_) | Destination::Absorbed | Destination::Lost => None,
+        numbers: (Sequence, u32),
+        views: &mut Views,
+        away: impl Fn(&Ray) -> DVec3,
+    ) -> Option<(Hit, DVec3)> {
+        let first = self.tracer.closest_hit(ray)?;
+        if self.tracer.is_carrier(first.face) {
+            let seen = self.seen_over_carriers(*ray, first, (numbers, 3), views, away, |hit, views| {
+                let lit = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics).is_some();
+                if lit { self.radiance(hit, numbers, views) } else { DVec3::ZERO }
+            });
+            return Some((first, seen));
         }
+        let lit = self.patches.patch_at(first.face as usize, first.side, first.barycentrics).is_some();
+        lit.then(|| (first, self.radiance(&first, numbers, views)))
+    }
+
+    /// The radiance that comes along a ray which carriers pass on from `hit`, by one way at each; `radiance` tells that of diffuse surfaces, `away` that of
+    /// what lies outside.
+    /// Random numbers are those of every other dimension set from `first_set` on.
+    fn seen_over_carriers(
+        &self,
+        mut ray: Ray,
+        mut hit: Hit,
+        ((sequence, point), first_set): ((Sequence, u32), u32),
+        views: &mut Views,
+        away: impl Fn(&Ray) -> DVec3,
+        radiance: impl FnOnce(&Hit, &mut Views) -> DVec3,
+    ) -> DVec3 {
+        let (mut seen, mut colour) = (DVec3::ZERO, DVec3::ONE);
+        let mut set = first_set;
+        let mut next_numbers = || {
+            set += 2;
+            sequence.dimensions(point, set - 2)
+        };
+        for _ in 0..MOST_CARRIERS {
+            let shine = match (&self.highlights, self.tracer.glossy(&ray, &hit)) {
+                (Some(highlights), Some(glossy)) => Some(highlights.shine(views, glossy, &hit)),
+                _ => None,
+            };
+            if let Some(shine) = &shine {
+                let [s, t, ..] = next_numbers();
+                seen += colour * shine.of_a_lamp([s, t]);
+            }
+            let [way, _, u, v] = next_numbers();
+            let scattered = self.tracer.scatter(&ray, &hit, [way, u, v], &mut next_numbers);
+            colour *= scattered.colour.map_or(DVec3::ONE, rgb_of);
+            ray = scattered.ray;
+            if colour.max_element() <= 0.0 {
+                return seen;
+            }
+            let Some(next) = self.tracer.closest_hit(&ray) else { return seen + colour * away(&ray) };
+            hit = next;
+            if !self.tracer.is_carrier(hit.face) {
+                let radiance = radiance(&hit, views);
+                return seen + colour * shine.map_or(radiance, |shine| shine.left_of(radiance, &ray, &hit));
+            }
+        }
+        seen
     }
 
     /// Radiance that leaves where a ray ended, estimated with random numbers for a point of the lamps and a direction.
@@ -129,24 +148,25 @@ impl<'a, 's> Gather<'a, 's> {
         if reflectance == DVec3::ZERO {
             return emitted;
         }
-        let view = views.seen_at(&self.lamps, &place);
+        let view = &views.seen_at(&self.lamps, (place.face, place.side), place.point, place.normal).clone();
         emitted
             + reflectance
                 * (self.light_of_lamps(&place, view, [s, t])
-                    + self.light_around(&place, view, [u, v], numbers)
+                    + self.light_around(&place, (view, views), [u, v], numbers)
                     + self.light_of_lights(&place, [s, t]))
     }
 
     /// H₀/π: straight from lights without area and from the sky.
     fn light_of_lights(&self, place: &Place, random: [f64; 2]) -> DVec3 {
         let Some(lights) = &self.lights else { return DVec3::ZERO };
-        let mut irradiance = vec![0.0; self.tracer.scene().channels()];
+        let channels = self.tracer.scene().channels();
+        let (mut irradiance, mut scratch) = (vec![0.0; channels], vec![0.0; channels]);
         lights.add_irradiance(
             self.tracer,
             (place.point, place.face),
             place.normal,
             || random,
-            &mut irradiance,
+            [&mut irradiance, &mut scratch],
         );
         DVec3::from(to_rgb(&irradiance)) * FRAC_1_PI
     }
@@ -193,19 +213,30 @@ impl<'a, 's> Gather<'a, 's> {
     fn light_around(
         &self,
         place: &Place,
-        view: &LampView,
+        (view, views): (&LampView, &mut Views),
         random: [f64; 2],
         numbers: (Sequence, u32),
     ) -> DVec3 {
         let direction = frame_around(place.normal) * cosine_hemisphere(random);
         let ray = Ray { origin: place.point, direction, from: place.face };
-        let Some((hit, colour, carried)) = self.beyond_carriers(&ray, numbers, 2) else { return DVec3::ZERO };
-        let Some(patch) = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics) else {
-            return DVec3::ZERO;
+        let Some(hit) = self.tracer.closest_hit(&ray) else { return DVec3::ZERO };
+        let solved = |hit: &Hit| {
+            let patch = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics);
+            patch.map_or(DVec3::ZERO, |patch| self.radiance.at(patch, hit.barycentrics))
         };
-        let radiance = colour * self.radiance.at(patch, hit.barycentrics);
-        // What comes by way of carriers is found by such rays alone.
-        if carried || !self.lamps.contains(hit.face as usize, hit.side) {
+        // What comes by way of carriers is found by such rays, and by looks at lamps from rough metal.
+        if self.tracer.is_carrier(hit.face) {
+            return self.seen_over_carriers(
+                ray,
+                hit,
+                (numbers, 2),
+                views,
+                |_| DVec3::ZERO,
+                |hit, _| solved(hit),
+            );
+        }
+        let radiance = solved(&hit);
+        if !self.lamps.contains(hit.face as usize, hit.side) {
             return radiance;
         }
         // Leave to lamp points their share of what the lamp emits.

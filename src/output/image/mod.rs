@@ -7,6 +7,7 @@
 
 mod field;
 mod gather;
+mod highlights;
 mod lens;
 mod numbers;
 mod outlines;
@@ -22,12 +23,13 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use self::field::Field;
-use self::gather::{Gather, Views};
+use self::gather::Gather;
+use self::highlights::{Highlights, Views};
 use self::lens::Lens;
 use self::numbers::Numbers;
 use self::outlines::dimming;
 use self::painted::Painted;
-use self::reflections::seen_along;
+use self::reflections::{Chances, seen_along};
 use self::samples::{FEW, MANY, Samples, Seen, rough_pixels, stratified};
 use super::limiter::limited;
 use super::{OutputError, Picture, to_rgb};
@@ -182,6 +184,7 @@ struct View<'a, 's> {
     patches: &'a Patches<'s>,
     lens: Lens,
     sight: Sight<'a, 's>,
+    highlights: Option<Highlights<'a, 's>>,
     sky: Option<SkyShares>,
     options: &'a RenderOptions<'a>,
 }
@@ -217,7 +220,7 @@ impl<'a, 's> View<'a, 's> {
         };
         let lens = Lens::new(tracer, camera, options.width, options.height);
         let sky = tracer.scene().sky().map(Sky::shares);
-        Self { tracer, patches, lens, sight, sky, options }
+        Self { tracer, patches, lens, sight, highlights: Highlights::new(tracer), sky, options }
     }
 
     /// The picture, made in bands of so many rows.
@@ -289,6 +292,7 @@ impl<'a, 's> View<'a, 's> {
         let numbers = Numbers::of_pixel(self.options, x, y);
         let mut views = Views::default();
         let mut channels = vec![0.0; self.tracer.scene().channels()];
+        let away = |ray: &Ray| self.sky_towards(ray.direction).unwrap_or_default();
         for k in range {
             // Dimension set 0 tells where in the pixel, those that follow what happens there.
             let (sequence, place) = numbers.of_sample(k);
@@ -300,10 +304,13 @@ impl<'a, 's> View<'a, 's> {
                         let painted = painted.as_ref().and_then(|painted| painted.at(patch, hit));
                         Some(painted.unwrap_or_else(|| field.at(patch, hit.barycentrics)))
                     };
-                    seen_along(self.tracer, ray, &radiance)
+                    let pixel = (y * self.options.width + x) as u64;
+                    let chances = Chances::new(self.options.seed, pixel, k);
+                    let highlights = self.highlights.as_ref();
+                    seen_along(self.tracer, highlights, ray, (chances, &mut views), &away, &radiance)
                 }),
                 Sight::Gather(gather) => {
-                    self.look(anywhere(), |ray| gather.seen_along(ray, (sequence, place), &mut views))
+                    self.look(anywhere(), |ray| gather.seen_along(ray, (sequence, place), &mut views, away))
                 }
                 Sight::Path(paths) => self.look(anywhere(), |ray| {
                     channels.fill(0.0);
@@ -322,11 +329,16 @@ impl<'a, 's> View<'a, 's> {
 
     /// What a ray that leaves the scene sees of the sky.
     fn sky_behind(&self, ray: &Ray) -> Option<Seen> {
-        let shares = self.sky.as_ref().filter(|_| self.tracer.is_clear(ray, f64::INFINITY))?;
+        let radiance =
+            self.sky_towards(ray.direction).filter(|_| self.tracer.is_clear(ray, f64::INFINITY))?;
+        Some(Seen { radiance, is_lamp: true, outline: 1.0 })
+    }
+
+    /// The radiance of the sky in a direction.
+    fn sky_towards(&self, direction: DVec3) -> Option<DVec3> {
         let zenith: DVec3 = to_rgb(&self.tracer.scene().sky()?.zenith).into();
-        let (share, tint) = shares.tinted(ray.direction);
-        let tint = tint.map_or(DVec3::ONE, DVec3::from);
-        Some(Seen { radiance: zenith * share * tint, is_lamp: true, outline: 1.0 })
+        let (share, tint) = self.sky.as_ref()?.tinted(direction);
+        Some(zenith * share * tint.map_or(DVec3::ONE, DVec3::from))
     }
 
     /// What is seen at a point of the picture, if `meet` tells what the ray meets and the radiance that leaves there.

@@ -1,49 +1,140 @@
-//! Reflections: what is seen in mirrors and through glass.
+//! Reflections: what is seen in mirrors and metals and through glass.
 
 use glam::DVec3;
 
 use super::super::to_rgb;
-use crate::trace::{Hit, Ray, Tracer};
+use super::highlights::{Highlights, Shine, Views};
+use crate::trace::sampling::{SEQUENCE_END, Sequence};
+use crate::trace::{Hit, Ray, Tint, Tracer};
 
 /// Ways that bring less than this part of what is seen are left out, and so are all after so many carriers.
 const LEAST: f64 = 1e-3;
 const DEEPEST: u32 = 32;
 
-/// The radiance that comes along `ray` by all ways over carriers, and what the ray met first; `radiance` tells that of diffuse surfaces.
+/// Rays by which the first rough conductor in sight looks around; those seen in it take one each.
+const LOBE: u32 = 4;
+
+/// Where the stream of random sequences for lobes starts.
+const STREAM: u64 = 1 << 58;
+
+/// The random numbers of one look: a stretch of a sequence.
+#[derive(Clone, Copy)]
+pub(super) struct Chances {
+    sequence: Sequence,
+    first: u32,
+}
+
+impl Chances {
+    /// Those of look `k` at a pixel; `pixel` is its number.
+    pub fn new(seed: u64, pixel: u64, k: u32) -> Self {
+        let per_sequence = SEQUENCE_END / LOBE;
+        let sequence = Sequence::new(seed, STREAM + u64::from(k / per_sequence), pixel);
+        Self { sequence, first: k % per_sequence * LOBE }
+    }
+}
+
+/// The radiance that comes along `ray` by all ways over carriers, and what the ray met first; `radiance` tells that of diffuse surfaces,
+/// `away` that of what lies outside.
 pub(super) fn seen_along(
     tracer: &Tracer,
+    highlights: Option<&Highlights>,
     ray: &Ray,
+    (chances, views): (Chances, &mut Views),
+    away: &impl Fn(&Ray) -> DVec3,
     radiance: &impl Fn(&Hit) -> Option<DVec3>,
 ) -> Option<(Hit, DVec3)> {
     let hit = tracer.closest_hit(ray)?;
     match tracer.is_carrier(hit.face) {
         false => Some((hit, radiance(&hit)?)),
-        true => Some((hit, over_carriers(tracer, ray, &hit, radiance, DVec3::ONE, 0))),
+        true => {
+            let mut look = Look { tracer, highlights, chances, views, away, radiance };
+            Some((hit, look.over_carriers(ray, &hit, Way { part: DVec3::ONE, depth: 0, point: None })))
+        }
     }
 }
 
-/// The part of what is seen that comes by way of a carrier.
-fn over_carriers(
-    tracer: &Tracer,
-    ray: &Ray,
-    hit: &Hit,
-    radiance: &impl Fn(&Hit) -> Option<DVec3>,
-    part: DVec3,
-    depth: u32,
-) -> DVec3 {
-    let mut sum = DVec3::ZERO;
-    let (first, second) = tracer.ways_on(ray, hit);
-    for way in std::iter::once(first).chain(second) {
-        let colour = way.colour.map_or(DVec3::ONE, |colour| to_rgb(colour).into());
-        let part = part * colour * way.share;
-        if part.max_element() < LEAST || depth == DEEPEST {
-            continue;
-        }
-        let Some(next) = tracer.closest_hit(&way.ray) else { continue };
-        sum += match tracer.is_carrier(next.face) {
-            true => over_carriers(tracer, &way.ray, &next, radiance, part, depth + 1),
-            false => part * radiance(&next).unwrap_or_default(),
-        };
+/// A tint as red, green and blue.
+pub(super) fn rgb_of(tint: Tint) -> DVec3 {
+    match tint.channels() {
+        3 => to_rgb(&[0, 1, 2].map(|channel| tint.part(channel))).into(),
+        _ => DVec3::splat(tint.mean()),
     }
-    sum
+}
+
+/// A way that is followed.
+#[derive(Clone, Copy)]
+struct Way {
+    /// The part of what comes by it that is seen.
+    part: DVec3,
+    /// Carriers on it.
+    depth: u32,
+    /// Which of the look's points it follows, once a rough conductor has been met.
+    point: Option<u32>,
+}
+
+/// All it takes to follow the ways of one look.
+struct Look<'a, 's, A, R> {
+    tracer: &'a Tracer<'s>,
+    highlights: Option<&'a Highlights<'a, 's>>,
+    chances: Chances,
+    views: &'a mut Views,
+    away: &'a A,
+    radiance: &'a R,
+}
+
+impl<A: Fn(&Ray) -> DVec3, R: Fn(&Hit) -> Option<DVec3>> Look<'_, '_, A, R> {
+    /// The part of what is seen that comes by way of a carrier.
+    fn over_carriers(&mut self, ray: &Ray, hit: &Hit, way: Way) -> DVec3 {
+        let Some(glossy) = self.tracer.glossy(ray, hit) else {
+            let (first, second) = self.tracer.ways_on(ray, hit);
+            let mut sum = DVec3::ZERO;
+            for on in std::iter::once(first).chain(second) {
+                let colour = on.colour.map_or(DVec3::ONE, rgb_of);
+                sum += self.beyond(&on.ray, Way { part: way.part * colour * on.share, ..way }, None);
+            }
+            return sum;
+        };
+        // The first one spreads over all points of the look, later ones go on by the point that led to them.
+        let points = match way.point {
+            None => 0..LOBE,
+            Some(point) => point..point + 1,
+        };
+        let each = way.part / points.len() as f64;
+        let mut sum = DVec3::ZERO;
+        for point in points {
+            let sequence = self.chances.sequence;
+            let numbers = |set: u32| sequence.dimensions(self.chances.first + point, 3 * way.depth + set);
+            let shine = match self.highlights {
+                Some(highlights) => Some(highlights.shine(self.views, glossy, hit)),
+                None => None,
+            };
+            if let Some(shine) = &shine {
+                let [s, t, ..] = numbers(2);
+                sum += each * shine.of_a_lamp([s, t]);
+            }
+            let [chance, u, v, _] = numbers(0);
+            let on = glossy.sample([chance, u, v], || numbers(1));
+            let part = each * on.colour.map_or(DVec3::ONE, rgb_of);
+            sum += self.beyond(&on.ray, Way { part, point: Some(point), ..way }, shine);
+        }
+        sum
+    }
+
+    /// What comes by a ray that leaves a carrier; lamps have had their share of `shine` already.
+    fn beyond(&mut self, ray: &Ray, way: Way, shine: Option<Shine>) -> DVec3 {
+        let rays = if way.point.is_some() { f64::from(LOBE) } else { 1.0 };
+        if way.part.max_element() * rays < LEAST || way.depth == DEEPEST {
+            return DVec3::ZERO;
+        }
+        match self.tracer.closest_hit(ray) {
+            None => way.part * (self.away)(ray),
+            Some(next) if self.tracer.is_carrier(next.face) => {
+                self.over_carriers(ray, &next, Way { depth: way.depth + 1, ..way })
+            }
+            Some(next) => {
+                let radiance = (self.radiance)(&next).unwrap_or_default();
+                way.part * shine.map_or(radiance, |shine| shine.left_of(radiance, ray, &next))
+            }
+        }
+    }
 }

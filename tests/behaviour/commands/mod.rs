@@ -513,7 +513,7 @@ fn json_is_all_there_is_on_standard_output() {
 #[test]
 fn quiet_prints_nothing() {
     // A scene without materials would warn.
-    let scratch = Scratch::with(&[("cube.obj", CUBE), ("cube.mtl", "newmtl wall\nKd 0.5\nKe 1\nPm 1\n")]);
+    let scratch = Scratch::with(&[("cube.obj", CUBE), ("cube.mtl", "newmtl wall\nKd 0.5\nKe 1\nPr 0.3\n")]);
     for command in ["solve", "render"] {
         let output = done(scratch.folder(), &format!("{command} cube.obj -o . --quiet"));
         assert_eq!((text(&output.stdout), text(&output.stderr)), ("", ""), "{command}");
@@ -521,7 +521,7 @@ fn quiet_prints_nothing() {
         assert!(!output.stdout.is_empty());
         let warnings = text(&output.stderr);
         assert!(warnings.lines().all(|line| line.starts_with("warning: ")), "{warnings}");
-        assert!(warnings.contains("grey 0.5") && warnings.contains("gloss"), "{warnings}");
+        assert!(warnings.contains("grey 0.5") && warnings.contains("plastic"), "{warnings}");
     }
 }
 
