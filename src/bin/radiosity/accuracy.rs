@@ -1,5 +1,7 @@
 //! Accuracy: how much error is asked for, what was done for it, and how wrong the answer is.
 
+use std::time::Duration;
+
 use radiosity::measure::{
     self, AccuracyStep, Accurate, Ending, ErrorBudget, ErrorPart, Goal, Resource, Tolerated,
 };
@@ -25,14 +27,14 @@ pub struct GoalArgs {
     )]
     accuracy: Option<Wanted>,
 
-    /// Choose patches and rays such that the whole run takes about so long, such as 10s or 2min; with --accuracy, at most so long
+    /// Choose patches and rays such that the whole run takes about so long, such as 10s, 2min or 1h; with --accuracy, at most so long
     #[arg(
         long,
         value_name = "TIME",
-        value_parser = time,
+        value_parser = args::duration,
         conflicts_with_all = ["patches", "edge", "rays", "factors", "save_factors"]
     )]
-    time: Option<f64>,
+    time: Option<Duration>,
 }
 
 /// An error in one of three units.
@@ -63,7 +65,7 @@ impl GoalArgs {
             Wanted::Irradiance(h) => Tolerated::Irradiance(h),
             Wanted::Illuminance(lux) => Tolerated::Irradiance(lux / efficacy),
         });
-        let goal = Goal { error, seconds: self.time };
+        let goal = Goal { error, seconds: self.time.map(|time| time.as_secs_f64()) };
         let (tessellation, trace) = factors.options(run, terminal.progress());
         let Accurate { patches, factors, steps, ending } =
             measure::reach(tracer, goal, &tessellation, &trace)?;
@@ -151,13 +153,4 @@ fn wanted(text: &str) -> Result<Wanted, String> {
     } else {
         args::share(text).map(Wanted::Share).map_err(|_| "write it as 1%, 0.01, 0.2W/m2 or 5lx".into())
     }
-}
-
-fn time(text: &str) -> Result<f64, String> {
-    let (number, unit) = if let Some(number) = text.strip_suffix("min") {
-        (number, 60.0)
-    } else {
-        (text.strip_suffix('s').unwrap_or(text), 1.0)
-    };
-    args::positive_length(number.trim()).map(|x| x * unit).map_err(|_| "write it as 10s or 2min".into())
 }

@@ -1,6 +1,7 @@
 //! Arguments that several commands share, and what they mean to the library.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use radiosity::output::{
@@ -373,4 +374,14 @@ pub fn share(text: &str) -> Result<f64, String> {
     let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
     let share = number.trim().parse().ok().map(|x: f64| x * unit);
     share.filter(|x| *x > 0.0 && *x < 1.0).ok_or_else(|| "write it as 2% or 0.02; between 0 and 1".into())
+}
+
+/// A time, as 90, 90s, 5min or 1h.
+pub fn duration(text: &str) -> Result<Duration, String> {
+    let units = [("min", 60.0), ("h", 3600.0), ("s", 1.0)];
+    let with_unit = units.iter().find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, *seconds)));
+    let (number, unit) = with_unit.unwrap_or((text, 1.0));
+    let seconds = number.trim().parse().ok().map(|x: f64| x * unit);
+    let sound = seconds.filter(|s| *s > 0.0 && *s <= 1e7);
+    sound.map(Duration::from_secs_f64).ok_or_else(|| "write it as 90s, 5min or 1h; above 0".into())
 }

@@ -26,7 +26,7 @@ pub struct Args {
     scene: SceneArgs,
 
     /// Time for all of it, as 90s, 5min or 1h; settings that do not fit are left out
-    #[arg(long, value_name = "TIME", default_value = "90s", value_parser = duration, help_heading = "Study")]
+    #[arg(long, value_name = "TIME", default_value = "90s", value_parser = args::duration, help_heading = "Study")]
     time: Duration,
 
     /// Noise of the reference that is small enough, relative
@@ -181,14 +181,4 @@ fn is_stop(error: &MeasureError) -> bool {
             | MeasureError::Transport(TransportError::Cancelled(_))
             | MeasureError::Solve(SolveError::Cancelled(_))
     )
-}
-
-/// A time, as 90, 90s, 5min or 1h.
-fn duration(text: &str) -> Result<Duration, String> {
-    let units = [("min", 60.0), ("h", 3600.0), ("s", 1.0)];
-    let with_unit = units.iter().find_map(|(unit, seconds)| Some((text.strip_suffix(unit)?, *seconds)));
-    let (number, unit) = with_unit.unwrap_or((text, 1.0));
-    let seconds = number.trim().parse().ok().map(|x: f64| x * unit);
-    let sound = seconds.filter(|s| *s > 0.0 && *s <= 1e7);
-    sound.map(Duration::from_secs_f64).ok_or_else(|| "write it as 90s, 5min or 1h; above 0".into())
 }
