@@ -3,6 +3,7 @@
 mod carriers; // mirrors and glass: closed forms, another renderer, bad input, pictures, saved form factors
 mod commands; // what the program writes, prints and answers
 mod comparison; // the verdict on right solvers and on wrong ones
+mod contacts; // where surfaces touch: nothing leaks, counts hold
 mod files; // what scene files mean, and how bad ones are refused
 mod form_factor_files; // form factors as CSV, Matrix Market and NumPy files, and the command that writes them
 mod form_factors; // closed forms, judged by standard errors
