@@ -67,13 +67,21 @@ impl<'t> Contacts<'t> {
             for k in 0..3 {
                 let ends = [at[k], at[(k + 1) % 3]];
                 let height = ends[0].z.abs().max(ends[1].z.abs());
-                if height <= near {
-                    let touches = height <= TOUCH;
+                let touches = height <= TOUCH;
+                if touches || (height <= near && !self.shines_on(other, flat)) {
                     push(ends.map(DVec3::truncate), touches, &|| self.is_outline(other, k, flat, touches));
                 }
             }
         }
         lines
+    }
+
+    /// Whether a face is a lamp that is turned to the plane. From near by it is all that a patch below it would see, and form factors
+    /// between two such surfaces do not close: patches that see other things beside it are better.
+    fn shines_on(&self, face: usize, flat: &Flat) -> bool {
+        let [a, b, c] = self.tracer.corners(face).map(|p| flat.place(p));
+        let front = (b - a).cross(c - a);
+        self.tracer.scene().material_of(face).emits() && front.z * (a.z + b.z + c.z) < 0.0
     }
 
     /// Whether edge `k` of a face is one on which light changes: not a line within a surface, as seen along the normal of the plane, or
