@@ -3,8 +3,8 @@
 //! A corner's value is the mean, weighted by angle, of the patches that meet there on the same smooth surface:
 //! same material, and normals no more than 30° from one to the next. Of constant elements each gives its one value, of linear ones
 //! its value at that place. Inside a patch the values of its three corners are
-//! interpolated linearly. A corner in the middle of a neighbouring face's patch edge counts that patch as meeting there
-//! too, so that unlike cuts of two faces leave no visible seam. Across creases, materials and the two sides of a sheet nothing is mixed.
+//! interpolated linearly. A corner in the middle of a neighbouring patch's edge counts that patch as meeting there
+//! too, so that unlike cuts of two faces, or of two parts of one, leave no visible seam. Across creases, materials and the two sides of a sheet nothing is mixed.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -82,6 +82,7 @@ impl SmoothField {
         let mut corners: Vec<Corner> =
             (0..patches.len()).into_par_iter().flat_map_iter(|i| corners_of(tracer, patches, i)).collect();
         corners.extend(corners_on_edges(tracer, patches));
+        corners.extend((0..patches.len()).flat_map(|i| places_beside(tracer, patches, i)));
         let mut smooth = Self {
             channels: field.ncols(),
             corners: vec![[0; 3]; patches.len()],
@@ -173,6 +174,25 @@ fn corners_of(tracer: &Tracer, patches: &Patches, patch: usize) -> [Corner; 3] {
         surface: surface(tracer, face, side),
         angle: leg(k).angle_between(-leg((k + 2) % 3)).max(1e-9),
         same: SAME.min(SAME_OF_LEG * shortest),
+    })
+}
+
+/// Where a patch's corners lie on the rim of patches of the same face that are cut otherwise: those patches.
+fn places_beside<'a>(
+    tracer: &'a Tracer,
+    patches: &'a Patches,
+    patch: usize,
+) -> impl Iterator<Item = Corner> + 'a {
+    let Slot { face, side, .. } = patches.place(patch);
+    let several = patches.pieces(face) > 1;
+    let corners = several.then(|| corners_of(tracer, patches, patch).into_iter().zip(patches.corners(patch)));
+    corners.into_iter().flatten().flat_map(move |(corner, point)| {
+        patches.patches_meeting(face, side, point).into_iter().filter(move |&other| other != patch).map(
+            move |other| {
+                let within = patches.weights_in(patches.slot_of_patch(other), point);
+                Corner { patch: other as u32, number: None, within, angle: PI, ..corner }
+            },
+        )
     })
 }
 
@@ -393,6 +413,32 @@ mod tests {
                 assert!((smooth.value(point)[0] - group(patch) as f64).abs() < 1e-12);
             }
         }
+    }
+
+    #[test]
+    fn parts_of_a_face_cut_unlike_each_other_share_what_they_know_at_their_edge() {
+        // A sheet on a floor: the floor's parts meet along its foot, and on one side only there are patches with their corners there.
+        let floor = quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        let sheet = quad([0.2, 0.3, 0.0], [0.5, 0.1, 0.0], [0.0, 0.0, 0.5]);
+        let scene =
+            triangles(&[floor, sheet].concat(), &[0; 4], vec![Material::lamp("wall", &[0.5], &[1.0])]);
+        let tracer = Tracer::new(&scene);
+        let patches = cut(&tracer, 0.07, Reach::Light);
+        let beyond = |p: DVec3| p.y - 0.3 - 0.2 * (p.x - 0.2);
+        let field = from_centres(&patches, |p| if beyond(p) > 0.0 { 1.0 } else { 0.0 });
+        let smooth = SmoothField::new(&tracer, &patches, &field);
+        let along_foot = |p: DVec3| beyond(p).abs() < 1e-9 && (0.2..=0.7).contains(&p.x);
+        let mut found = 0;
+        for patch in (0..patches.len()).filter(|&i| patches.place(i).face < 2) {
+            for point in smooth.corners(patch) {
+                if along_foot(tracer.frame().to_world(smooth.points()[point as usize])) {
+                    let value = smooth.value(point)[0];
+                    assert!(value > 0.0 && value < 1.0, "{patch}: {value}");
+                    found += 1;
+                }
+            }
+        }
+        assert!(found > 10, "{found}");
     }
 
     /// The smoothed x + y along the line x + y = 1, as pairs of x and value.

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 use nalgebra::DMatrix;
 
-use super::subdivide::Cuts;
+use super::subdivide::{Cuts, Uncut};
 use super::{Patches, Slot};
 use crate::scene::Side;
 
@@ -31,8 +31,12 @@ impl Patches<'_> {
         let faces = 0..self.scene.faces().len();
         let corners: Vec<_> =
             faces.clone().map(|f| self.scene.corners(f).map(|p| self.frame.from_world(p))).collect();
-        let cut = |f: usize| self.scene.is_diffuse(f).then(|| &corners[f]);
-        let coarse = Cuts::new(faces.map(cut), self.edge * patches.sqrt());
+        // Along the same contacts: no cluster has patches on both sides of one.
+        let uncut = |f: usize| match self.scene.is_diffuse(f) {
+            true => self.parts.of(f, self.edge).map_or(Uncut::Whole(&corners[f]), Uncut::Parts),
+            false => Uncut::Nothing,
+        };
+        let coarse = Cuts::new(faces.map(uncut), self.edge * patches.sqrt());
         let mut cells: HashMap<(usize, bool, u32), (Slot, Vec<u32>)> = HashMap::new();
         for i in 0..self.len() {
             let place = self.place(i);

@@ -3,16 +3,25 @@
 //! Each face is cut into *cells*; a cell's side is a *slot*: a patch that could be. Light reaches some slots and not others
 //! (the backs of a closed room's walls, say). The slots it reaches are the *patches*, the unknowns of the problem,
 //! numbered by face, then side, then cell. Everything that has one value a patch uses that order.
+//!
+//! Where other surfaces touch a face, pass through it or end close before it, it is cut along the line: light changes
+//! by a step there, and a patch on both sides of the foot of a box would carry light into the box. So no patch is larger than
+//! the size asked for, and some are smaller.
 
 mod aggregate;
 mod basis;
 mod clusters;
+mod contacts;
 mod groups;
+mod locator;
 mod outlook;
+mod parts;
 mod sides;
+mod size;
 mod subdivide;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glam::DVec3;
 use nalgebra::DMatrix;
@@ -26,9 +35,11 @@ pub use basis::Basis;
 pub use clusters::Clusters;
 pub use groups::{Group, GroupBy, Groups};
 pub use outlook::Outlook;
+use parts::{Parting, Parts};
 pub use sides::Reach;
+use size::edge_for;
 pub use subdivide::Barycentrics;
-use subdivide::Cuts;
+use subdivide::{Cuts, Uncut};
 
 /// How finely to cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +107,7 @@ pub struct Patches<'s> {
     scene: &'s Scene,
     frame: Frame,
     reach: Reach,
+    parts: Arc<Parts>,
     cuts: Cuts,
     /// Per face, and one more: its first slot. Front cells come first, then as many back cells.
     first_slot: Vec<u32>,
@@ -134,7 +146,8 @@ impl<'s> Patches<'s> {
         options.progress.at("patch", 0.0)?;
         match options.size {
             PatchSize::Edge(metres) if metres.is_finite() && metres > 0.0 => {
-                let mut patches = Self::cut(tracer, metres / tracer.frame().scale(), options)?;
+                let edge = metres / tracer.frame().scale();
+                let mut patches = Self::cut(tracer, edge, &mut Parting::new(tracer), options)?;
                 patches.reach(tracer, options, sides::LOOK)?;
                 Ok(patches)
             }
@@ -148,8 +161,9 @@ impl<'s> Patches<'s> {
         const COARSE: usize = 1000;
         /// A cut that has not the expected number of patches, because finer patches see more, is made once more.
         const ATTEMPTS: usize = 2;
-        let (mut edge, _) = edge_for(tracer, count.min(COARSE), |_| [1.0; 2]);
-        let mut patches = Self::cut(tracer, edge, options)?;
+        let mut parting = Parting::new(tracer);
+        let (mut edge, _) = edge_for(tracer, count.min(COARSE), &mut parting, |_| [1.0; 2]);
+        let mut patches = Self::cut(tracer, edge, &mut parting, options)?;
         patches.reach(tracer, options, sides::GLANCE)?;
         for _ in 0..ATTEMPTS {
             if patches.is_empty() && options.reach == Reach::Light {
@@ -158,8 +172,8 @@ impl<'s> Patches<'s> {
             let share = |f: usize| if patches.is_empty() { [1.0; 2] } else { patches.reached_share(f) };
             let shares: Vec<_> = (0..tracer.scene().faces().len()).map(share).collect();
             let expected;
-            (edge, expected) = edge_for(tracer, count, |face| shares[face]);
-            patches = Self::cut(tracer, edge, options)?;
+            (edge, expected) = edge_for(tracer, count, &mut parting, |face| shares[face]);
+            patches = Self::cut(tracer, edge, &mut parting, options)?;
             patches.reach(tracer, options, sides::LOOK)?;
             if (patches.len() as f64 / expected - 1.0).abs() < 0.1 {
                 break;
@@ -169,18 +183,28 @@ impl<'s> Patches<'s> {
     }
 
     /// Cuts every face for legs up to `edge` (normalised); no slot is a patch yet.
-    fn cut(tracer: &Tracer<'s>, edge: f64, options: &Tessellation) -> Result<Self, PatchError> {
+    fn cut(
+        tracer: &Tracer<'s>,
+        edge: f64,
+        parting: &mut Parting,
+        options: &Tessellation,
+    ) -> Result<Self, PatchError> {
         let scene = tracer.scene();
         // Carriers are on the way between patches and no patches themselves.
         let kept = |f: usize| scene.is_diffuse(f);
         let faces = scene.faces().len();
-        let cells = (0..faces).filter(|&f| kept(f)).map(|f| subdivide::cells_for(tracer.corners(f), edge));
+        let parts = parting.at(edge);
+        let cells = (0..faces).filter(|&f| kept(f)).map(|f| parts.cells(f, tracer.corners(f), edge));
         let slots = 2 * cells.sum::<u64>();
         let most = (options.memory / BYTES_PER_SLOT).min(1 << 31);
         if slots > most {
             return Err(PatchError::TooMany { slots, most });
         }
-        let cuts = Cuts::new((0..faces).map(|f| kept(f).then(|| tracer.corners(f))), edge);
+        let uncut = |f: usize| match kept(f) {
+            true => parts.of(f, edge).map_or(Uncut::Whole(tracer.corners(f)), Uncut::Parts),
+            false => Uncut::Nothing,
+        };
+        let cuts = Cuts::new((0..faces).map(uncut), edge);
         let mut first_slot = vec![0];
         for face in 0..faces {
             first_slot.push(first_slot[face] + 2 * cuts.cells(face));
@@ -189,6 +213,7 @@ impl<'s> Patches<'s> {
             scene,
             frame: *tracer.frame(),
             reach: options.reach,
+            parts,
             cuts,
             patch_of_slot: vec![NONE; slots as usize],
             first_slot,
@@ -205,7 +230,7 @@ impl<'s> Patches<'s> {
         slots: Option<&[u32]>,
         options: &Tessellation,
     ) -> Result<Self, PatchError> {
-        let mut patches = Self::cut(tracer, edge, options)?;
+        let mut patches = Self::cut(tracer, edge, &mut Parting::new(tracer), options)?;
         match slots {
             Some(slots) => patches.activate(slots),
             None => patches.reach(tracer, options, sides::LOOK)?,
@@ -271,6 +296,18 @@ impl<'s> Patches<'s> {
         }
         let patch = self.patch_of_slot[self.slot_at(face, side, point) as usize];
         (patch != NONE).then_some(patch as usize)
+    }
+
+    /// A patch of each piece of a face's side that has a point inside or on its rim.
+    pub(crate) fn patches_meeting(&self, face: usize, side: Side, point: Barycentrics) -> Vec<usize> {
+        let first = self.first_slot_of(face, side);
+        let cells = self.cuts.cells_meeting(face, point).into_iter();
+        cells.filter_map(|cell| self.patch_of_slot(first + cell)).map(|patch| patch as usize).collect()
+    }
+
+    /// Number of pieces of a face, each with a grid of patches of its own.
+    pub(crate) fn pieces(&self, face: usize) -> usize {
+        self.cuts.pieces(face).len()
     }
 
     /// The slot in which a point of a diffuse face's side lies.
@@ -477,41 +514,4 @@ impl Facet {
             Ray { origin: self.point([s, t]), direction, from: self.face }
         })
     }
-}
-
-/// The most slots, reached or not, for each patch that is wanted.
-const DARK_PER_PATCH: f64 = 16.0;
-
-/// The edge (normalised) at which about `count` slots are reached, and how many are at this edge, where `share` tells which part
-/// of each face's sides is.
-fn edge_for(tracer: &Tracer, count: usize, share: impl Fn(usize) -> [f64; 2]) -> (f64, f64) {
-    let faces: Vec<(usize, f64)> = (0..tracer.scene().faces().len())
-        .filter(|&f| tracer.scene().is_diffuse(f))
-        .map(|f| (f, share(f).iter().sum::<f64>()))
-        .collect();
-    let whole: f64 = faces.iter().map(|&(_, share)| share).sum();
-    let goal = if whole < count as f64 { count as f64 } else { whole + 0.5 * count as f64 };
-    // Where light reaches but little, the rest must not be cut without end either.
-    let most_slots = 2.0 * faces.len() as f64 + DARK_PER_PATCH * count as f64;
-    let slots_at = |edge: f64| -> (f64, f64) {
-        let sum = |(reached, all): (f64, f64), &(f, share): &(usize, f64)| {
-            let cells = subdivide::cells_for(tracer.corners(f), edge) as f64;
-            (reached + share * cells, all + 2.0 * cells)
-        };
-        faces.iter().fold((0.0, 0.0), sum)
-    };
-    let reached = |edge: f64| slots_at(edge).0;
-    let too_fine = |edge: f64| {
-        let (reached, all) = slots_at(edge);
-        reached > goal || all > most_slots
-    };
-    // Bisect on a logarithmic scale; the count falls in steps as the edge grows.
-    let (mut fine, mut coarse) = (1e-6f64, 4.0);
-    while coarse / fine > 1.001 {
-        let edge = (fine * coarse).sqrt();
-        if too_fine(edge) { fine = edge } else { coarse = edge }
-    }
-    let off = |edge: f64| (reached(edge) / goal).ln().abs();
-    let edge = if slots_at(fine).1 <= most_slots && off(fine) < off(coarse) { fine } else { coarse };
-    (edge, reached(edge))
 }

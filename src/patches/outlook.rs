@@ -7,7 +7,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::{PatchSize, edge_for, subdivide};
+use super::parts::Parting;
+use super::{PatchSize, edge_for};
 use crate::scene::{Feature, Side};
 use crate::trace::Tracer;
 
@@ -26,12 +27,14 @@ impl Outlook {
     /// Cuts by arithmetic.
     pub fn new(tracer: &Tracer, size: PatchSize) -> Self {
         let sides = likely_sides(tracer);
+        let mut parting = Parting::new(tracer);
         let edge = match size {
             PatchSize::Edge(metres) => metres / tracer.frame().scale(),
-            PatchSize::Count(count) => edge_for(tracer, count.max(1), |face| sides[face]).0,
+            PatchSize::Count(count) => edge_for(tracer, count.max(1), &mut parting, |face| sides[face]).0,
         };
+        let parts = parting.at(edge);
         let cells = |face: usize| match tracer.scene().is_diffuse(face) {
-            true => subdivide::cells_for(tracer.corners(face), edge) as f64,
+            true => parts.cells(face, tracer.corners(face), edge) as f64,
             false => 0.0,
         };
         let cells: Vec<f64> = (0..sides.len()).map(cells).collect();

@@ -161,6 +161,6 @@ fn saved_form_factors_know_how_rough_the_metal_was() {
 fn the_plan_simulates_metal() {
     let plan = Plan::new(&furnace_with(Material::conductor("tin", 0.5, &[0.8])));
     let on: Vec<&str> = plan.effects.iter().filter(|e| e.on).map(|e| e.effect).collect();
-    assert_eq!(on, ["interreflection", "caustics", "gloss"]);
+    assert_eq!(on, ["interreflection", "occlusion rays", "back sides", "lamps", "caustics", "gloss"]);
     assert_eq!(plan.missing().count(), 0);
 }

@@ -4,6 +4,7 @@ mod carriers; // mirrors and glass: closed forms, another renderer, bad input, p
 mod coloured_carriers; // mirrors, metals and glass by channel: light paths, energy, saved form factors, receivers
 mod commands; // what the program writes, prints and answers
 mod comparison; // the verdict on right solvers and on wrong ones
+mod contacts; // where surfaces touch: nothing leaks, counts hold
 mod convex; // exact form factors where nothing can hide anything
 mod effects; // what is lost without an effect, and that nothing else changes
 mod environments; // skies from pictures
