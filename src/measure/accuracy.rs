@@ -114,7 +114,7 @@ const LEAP: f64 = 16.0;
 const AIM: f64 = 0.92;
 
 /// What noise may be more than its estimate, about.
-const NOISE_AT_MOST: f64 = 1.15;
+const NOISE_AT_MOST: f64 = 1.3;
 
 /// The most steps.
 const MOST_STEPS: usize = 8;

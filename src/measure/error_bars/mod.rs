@@ -113,7 +113,8 @@ impl ErrorBars {
             part("solver", solution.report.bound, solution.report.certainty),
             part("storage", ROUNDING * solution.report.condition, solution.report.certainty),
         ];
-        let (relative_rms, upper95) = together(by_mesh, &faces.squares(&all), &solution.report);
+        let at_most = noise::at_most(factors.rays(), factors.basis());
+        let (relative_rms, upper95) = together(by_mesh, (&faces.squares(&all), at_most), &solution.report);
         // A patch or face has its own noise, what of the mesh error is seen on it, and some of what all have.
         let bar = |h: f64, variance: f64, by_mesh_here: f64| {
             (variance + by_mesh_here.powi(2) + (COMMON * by_mesh * h).powi(2)).sqrt()
@@ -131,15 +132,16 @@ impl ErrorBars {
     }
 }
 
-/// The error to be expected, and what it does not exceed in 95 cases of 100, from mesh error and the squared noise of each batch.
-fn together(by_mesh: f64, noise: &[f64], report: &Report) -> (f64, f64) {
+/// The error to be expected, and what it does not exceed in 95 cases of 100, from mesh error and the squared noise of each batch, with how many times
+/// more than it tells noise may be.
+fn together(by_mesh: f64, (noise, at_most): (&[f64], f64), report: &Report) -> (f64, f64) {
     let batches = noise.len() as f64;
     let mean = noise.iter().sum::<f64>() / batches;
     let spread = (noise.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (batches - 1.0)).sqrt();
     // What the answer's own noise may be is what one more batch may have, less by their number.
     let most = mean + STUDENT * spread * (1.0 + 1.0 / batches).sqrt();
     let expected = (by_mesh.powi(2) + mean / batches).sqrt();
-    let upper = ((MESH_AT_MOST * by_mesh).powi(2) + most / batches).sqrt();
+    let upper = (MESH_AT_MOST * by_mesh).hypot(at_most * (most / batches).sqrt());
     let sure = report.bound + ROUNDING * report.condition;
     (expected, upper + if sure.is_finite() { sure } else { 0.0 })
 }
