@@ -110,14 +110,17 @@ const RAYS: [f64; 2] = [32.0, 4096.0];
 /// A step is no more than so many times as dear as the one before: how errors fall is known only roughly until it has been seen.
 const LEAP: f64 = 16.0;
 
-/// Steps aim a little below the goal, for what is foretold comes true only roughly.
-const AIM: f64 = 0.92;
+/// Steps aim a little below the goal, for what is foretold comes true only roughly; ...
+const AIM: f64 = 0.95;
+
+/// ... and one that follows a step which missed the goal takes at least so many times its work.
+const GROWTH: f64 = 1.4;
 
 /// What noise may be more than its estimate, about.
-const NOISE_AT_MOST: f64 = 1.3;
+const NOISE_AT_MOST: f64 = 1.2;
 
 /// The most steps.
-const MOST_STEPS: usize = 8;
+const MOST_STEPS: usize = 10;
 
 /// What a patch costs beside its rays, in rays.
 const PATCH_IN_RAYS: f64 = 40.0;
@@ -269,7 +272,9 @@ impl<'s> Search<'_, 's> {
             let options = TraceOptions { rays: Some(setting.rays as u32), ..*self.trace };
             options.check(setting.patches as usize).is_ok()
         };
-        let cheapest = wanted.and_then(|wanted| forecast.cheapest(|s| forecast.upper95(s) <= AIM * wanted));
+        let grows = |s: &Setting| self.steps.len() == 1 || forecast.seconds(s) >= GROWTH * last.seconds;
+        let cheapest =
+            wanted.and_then(|wanted| forecast.cheapest(|s| grows(s) && forecast.upper95(s) <= AIM * wanted));
         // What is wanted may take more than there is: then as much of it as there is.
         let short = |of: Resource| match (wanted, cheapest) {
             (None, _) => Ending::Reached,

@@ -18,10 +18,13 @@ use crate::transport::{FormFactors, Sources};
 use noise::Noise;
 
 /// How much more than estimated the mesh error may be, in nineteen of twenty cases.
-pub(super) const MESH_AT_MOST: f64 = 2.0;
+pub(super) const MESH_AT_MOST: f64 = 1.6;
 
 /// So much of the scene's relative mesh error every patch and face has: its own may vanish by chance.
 const COMMON: f64 = 0.7;
+
+/// What part of the noise shows in the change that merging patches makes; measured.
+const IN_CHANGE: f64 = 0.25;
 
 /// Student's t for 95 % of one side and 7 degrees of freedom.
 const STUDENT: f64 = 1.895;
@@ -102,10 +105,13 @@ impl ErrorBars {
         let both: Vec<DMatrix<f64>> = noise.rays.iter().zip(&noise.lamps).map(|(a, b)| a + b).collect();
         let all = faces.batches(&both);
         let change = faces.of(&change_by_patch);
-        let by_mesh = faces.relative(|f, c| change[(f, c)].powi(2));
         let part = |name, value, kind| ErrorPart { name, value, kind };
         let noisy = |batches: &[DMatrix<f64>]| faces.relative(|f, c| noise::variance(batches, (f, c)));
         let (by_rays, by_lamps) = (noisy(&rays), noisy(&lamps));
+        // Some of the noise is in the change that merging makes.
+        let change_by_merging = faces.relative(|f, c| change[(f, c)].powi(2));
+        let less = change_by_merging.powi(2) - (IN_CHANGE * by_rays.hypot(by_lamps)).powi(2);
+        let by_mesh = less.max(0.25 * change_by_merging.powi(2)).sqrt();
         let parts = vec![
             part(ErrorPart::MESH, by_mesh, Certainty::Estimated),
             part(ErrorPart::RAYS, by_rays, Certainty::Estimated),

@@ -63,7 +63,7 @@ impl Noise {
 /// shows where each coefficient has few rays in a batch. Fitted to Cornell boxes and rooms that no test looks at.
 pub(super) fn at_most(rays: u32, basis: Basis) -> f64 {
     let rays = f64::from(rays) / BATCHES / basis.coefficients() as f64;
-    if rays > 0.0 { 1.1 + 2.0 / rays } else { 1.0 }
+    if rays > 0.0 { 1.05 + 2.0 / rays } else { 1.0 }
 }
 
 /// Batches of rays.
