@@ -9,7 +9,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::MeasureError;
-use super::error_bars::{ErrorBars, ErrorBudget, ErrorPart, MESH_AT_MOST};
+use super::error_bars::{ErrorBars, ErrorBudget, ErrorPart, MESH_AT_MOST, noise_at_most};
 use crate::patches::{Basis, PatchSize, Patches, Tessellation};
 use crate::solve::{CgOptions, conjugate_gradients};
 use crate::trace::Tracer;
@@ -116,8 +116,8 @@ const AIM: f64 = 0.95;
 /// ... and one that follows a step which missed the goal takes at least so many times its work.
 const GROWTH: f64 = 1.4;
 
-/// What noise may be more than its estimate, about.
-const NOISE_AT_MOST: f64 = 1.2;
+/// How far batches differ makes the bound on noise larger by about so much.
+const NOISE_SPREAD: f64 = 1.08;
 
 /// The most steps.
 const MOST_STEPS: usize = 10;
@@ -267,7 +267,7 @@ impl<'s> Search<'_, 's> {
         if wanted.is_some_and(|wanted| now <= wanted) || wanted.is_none() && self.goal.seconds.is_none() {
             return Next::End(Ending::Reached);
         }
-        let forecast = Forecast { from: *last, power: self.power };
+        let forecast = Forecast { from: *last, power: self.power, basis: best.factors.basis() };
         let fits = |setting: &Setting| {
             let options = TraceOptions { rays: Some(setting.rays as u32), ..*self.trace };
             options.check(setting.patches as usize).is_ok()
@@ -298,8 +298,17 @@ impl<'s> Search<'_, 's> {
                 }
             }
         };
-        if lacking.is_some_and(|_| forecast.upper95(&setting) > WORTHWHILE * now) {
-            return Next::End(short(lacking.unwrap_or(Resource::Time)));
+        let was_tried = |setting: &Setting| {
+            let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.2;
+            let same = |s: &AccuracyStep| {
+                near(setting.patches, s.patches as f64) && near(setting.rays, f64::from(s.rays))
+            };
+            self.steps.iter().any(same)
+        };
+        if let Some(of) = lacking
+            && (was_tried(&setting) || forecast.upper95(&setting) > WORTHWHILE * now)
+        {
+            return Next::End(short(of));
         }
         // Towards something far dearer, go half of the way first.
         let leap = forecast.seconds(&setting) / last.seconds;
@@ -323,6 +332,7 @@ impl<'s> Search<'_, 's> {
 struct Forecast {
     from: AccuracyStep,
     power: f64,
+    basis: Basis,
 }
 
 impl Forecast {
@@ -331,7 +341,9 @@ impl Forecast {
         let rays = patches * s.rays / f64::from(self.from.rays);
         let mesh = self.from.mesh * patches.powf(-0.5 * self.power);
         let noise = self.from.noise * rays.powf(-NOISE_POWER);
-        (MESH_AT_MOST * mesh).hypot(NOISE_AT_MOST * noise)
+        // The bound on noise also holds its own uncertainty, which is a part of it.
+        let at_most = NOISE_SPREAD * noise_at_most(s.rays as u32, self.basis);
+        (MESH_AT_MOST * mesh).hypot(at_most * noise)
     }
 
     fn seconds(&self, s: &Setting) -> f64 {

@@ -16,6 +16,7 @@ use crate::progress::Progress;
 use crate::solve::{Certainty, Report, Solution};
 use crate::transport::{FormFactors, Sources};
 use noise::Noise;
+pub(super) use noise::at_most as noise_at_most;
 
 /// How much more than estimated the mesh error may be, in nineteen of twenty cases.
 pub(super) const MESH_AT_MOST: f64 = 1.6;
@@ -119,7 +120,7 @@ impl ErrorBars {
             part("solver", solution.report.bound, solution.report.certainty),
             part("storage", ROUNDING * solution.report.condition, solution.report.certainty),
         ];
-        let at_most = noise::at_most(factors.rays(), factors.basis());
+        let at_most = noise_at_most(factors.rays(), factors.basis());
         let (relative_rms, upper95) = together(by_mesh, (&faces.squares(&all), at_most), &solution.report);
         // A patch or face has its own noise, what of the mesh error is seen on it, and some of what all have.
         let bar = |h: f64, variance: f64, by_mesh_here: f64| {

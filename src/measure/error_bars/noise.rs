@@ -61,7 +61,7 @@ impl Noise {
 
 /// How many times more than the batches tell the noise of so many rays a patch may be, in nineteen of twenty cases: that it is told to first order
 /// shows where each coefficient has few rays in a batch. Fitted to Cornell boxes and rooms that no test looks at.
-pub(super) fn at_most(rays: u32, basis: Basis) -> f64 {
+pub(in crate::measure) fn at_most(rays: u32, basis: Basis) -> f64 {
     let rays = f64::from(rays) / BATCHES / basis.coefficients() as f64;
     if rays > 0.0 { 1.05 + 2.0 / rays } else { 1.0 }
 }
