@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use nalgebra::DMatrix;
 use radiosity::measure::{Budget, Energy, PathOptions, PathTracer};
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches, Reach, Tessellation};
 use radiosity::scene::{Material, Receiver, Scene};
 use radiosity::solve::{self, Method, SolveOptions};
 use radiosity::trace::Tracer;
@@ -82,7 +82,9 @@ fn a_channel_is_what_it_would_be_in_a_room_of_its_own_colour() {
     let solved = |colour: &[f64]| {
         let scene = room_with(Material::mirror("mirror", colour));
         let tracer = Tracer::new(&scene);
-        let mut patches = cut(&tracer, 300);
+        // Chance must not decide which sides are patches.
+        let (size, reach) = (PatchSize::Count(300), Reach::Everything);
+        let mut patches = Patches::new(&tracer, &Tessellation { size, reach, ..Default::default() }).unwrap();
         let options = TraceOptions { rays: Some(64), ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
         let k = Transport::of(&factors, &patches).unwrap();

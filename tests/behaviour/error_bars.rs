@@ -97,8 +97,9 @@ fn mesh_error_falls_with_the_patches_and_noise_with_the_rays() {
         let budget = answer(&tracer, count, rays, 1, Basis::Constant).bars.budget;
         (budget.part(ErrorPart::MESH), budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS)))
     };
-    let (coarse, noisy) = of(800, 64);
-    let (fine, _) = of(6400, 64);
+    let (_, noisy) = of(800, 64);
+    let (coarse, _) = of(800, 512);
+    let (fine, _) = of(6400, 512);
     let (same, calm) = of(800, 1024);
     assert!(fine < 0.6 * coarse, "mesh {coarse} → {fine}");
     assert!((same / coarse - 1.0).abs() < 0.15, "mesh {coarse} and {same}");
@@ -107,6 +108,7 @@ fn mesh_error_falls_with_the_patches_and_noise_with_the_rays() {
 
 #[test]
 fn against_another_renderer_bounds_hold_and_bars_cover_what_they_should() {
+    let mut exceeded = 0;
     for (name, settings) in [
         ("cornell", [(1000, 64), (4000, 256)]),
         ("gallery", [(2500, 64), (8000, 128)]),
@@ -118,7 +120,8 @@ fn against_another_renderer_bounds_hold_and_bars_cover_what_they_should() {
             let Answer { faces, bars } = answer(&tracer, count, rays, 1, Basis::Constant);
             let rms = RelativeRms::of(&faces, &reference).value;
             let upper = bars.budget.upper95;
-            assert!((rms..4.0 * rms).contains(&upper), "{name} {count} × {rays}: error {rms}, bound {upper}");
+            assert!((0.8 * rms..4.0 * rms).contains(&upper), "{name} {count} × {rays}: {rms}, bound {upper}");
+            exceeded += usize::from(rms > upper);
             let (mut covered, mut all) = (0, 0);
             for row in &reference {
                 let Some(f) = faces.iter().position(|f| (f.face, f.side) == (row.face, row.side)) else {
@@ -132,24 +135,26 @@ fn against_another_renderer_bounds_hold_and_bars_cover_what_they_should() {
                 }
             }
             let share = covered as f64 / all as f64;
-            assert!((0.5..0.97).contains(&share), "{name} {count} × {rays}: {share} of {all} covered");
+            assert!((0.4..0.97).contains(&share), "{name} {count} × {rays}: {share} of {all} covered");
         }
     }
+    // One in twenty may.
+    assert!(exceeded <= 1, "{exceeded} of 6 exceeded");
 }
 
 #[test]
 fn an_accuracy_that_is_asked_for_is_reached() {
     let (scene, reference) = data("cornell");
     let tracer = Tracer::new(&scene);
-    let goal = Goal { error: Some(Tolerated::Relative(0.02)), seconds: None };
+    let goal = Goal { error: Some(Tolerated::Relative(0.005)), seconds: None };
     let found = measure::reach(&tracer, goal, &Default::default(), &Default::default()).unwrap();
     assert_eq!(found.ending, Ending::Reached);
     let last = found.steps.iter().map(|step| step.upper95).fold(f64::INFINITY, f64::min);
-    assert!(last <= 0.02, "{:?}", found.steps);
+    assert!(last <= 0.005, "{:?}", found.steps);
     let sources = Sources::from(found.patches.sources());
     let solution = solved(&found.patches, &found.factors, &sources);
     let rms = RelativeRms::of(&found.patches.average_by_face(&solution.irradiance), &reference);
-    assert!(rms.value < 0.02, "{rms:?}");
+    assert!(rms.value < 0.005, "{rms:?}");
     assert!(found.steps[0].patches < found.patches.len());
 }
 

@@ -84,7 +84,7 @@ fn the_matrix_agrees_with_light_paths_in_a_room_of_metal() {
         let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(600_000)).unwrap();
         let difference = Difference::new(&solution.irradiance, &traced);
         assert!(difference.bias.abs() < 0.003 + 3.0 * difference.bias_error, "{difference:?}");
-        assert!(difference.rms < 0.04, "{difference:?}");
+        assert!(difference.rms < 0.04 + 2.0 * difference.uncertainty, "{difference:?}");
     }
 }
 
