@@ -19,13 +19,14 @@ use radiosity::transport::{FormFactors, Keep, LightOptions, Sources, TraceOption
 type Failure = Box<dyn std::error::Error>;
 
 /// Scenes with a reference: where they are, and how many patches are a coarse, a usual and a fine cut.
-const SCENES: [(&str, &str, [usize; 3]); 6] = [
+const SCENES: [(&str, &str, [usize; 3]); 7] = [
     ("cornell", "tests/data/cornell.obj", [1000, 4000, 8000]),
     ("cornell_fine", "tests/data/cornell_fine.obj", [4000, 8000, 16000]),
     ("gallery", "tests/data/gallery.obj", [2500, 4000, 8000]),
     ("mirror_room", "tests/data/mirror_room.obj", [2000, 4000, 8000]),
     ("corridor", "tests/data/corridor.obj", [300, 1200, 4000]),
     ("glass_balls", "meshes/glass_balls.obj", [1000, 4000, 8000]),
+    ("furnished_room", "meshes/furnished_room.obj", [2000, 4000, 8000]),
 ];
 
 fn main() -> Result<(), Failure> {
