@@ -113,13 +113,12 @@ impl Look<'_> {
             }
             // Add what it sends, by basis functions.
             let emission = &scene.material_of(to.face as usize).emission;
-            let texture =
-                scene.emission_texture(to.face as usize).map_or([1.0; 3], |t| t.at(to.barycentrics));
+            let texture = scene.emission_texture(to.face as usize).map(|texture| texture.at(to.barycentrics));
             let weights = phi(sampling::uniform_triangle([s, t]));
             let of_part = &mut moments[part * N * emission.len()..][..N * emission.len()];
             for (row, phi) in of_part.chunks_exact_mut(emission.len()).zip(weights) {
-                for ((sum, e), factor) in row.iter_mut().zip(emission).zip(texture) {
-                    *sum += worth * phi * g / to.pdf * e * factor;
+                for (c, (sum, e)) in row.iter_mut().zip(emission).enumerate() {
+                    *sum += worth * phi * g / to.pdf * e * texture.map_or(1.0, |texture| texture[c]);
                 }
             }
         }

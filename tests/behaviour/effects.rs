@@ -106,6 +106,22 @@ fn without_interreflection_light_is_as_among_black_surfaces() {
 }
 
 #[test]
+fn direct_light_arrives_in_every_one_of_many_bands() {
+    let square = |y: f64| [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]];
+    let plates = [(square(0.0), 0), (flipped(square(1.0)), 1)];
+    let lamp = Material::lamp("lamp", &[0.5; 5], &[1.0, 2.0, 3.0, 4.0, 5.0]);
+    let scene = quads(&plates, vec![lamp, Material::diffuse("plate", &[0.8; 5])]);
+    let tracer = Tracer::new(&scene);
+    let patches = cut(&tracer, 50);
+    let lights = Sources::trace(&tracer, &patches, Basis::Constant, &LightOptions::default()).unwrap();
+    let direct = lights.with_lamps(&tracer, &patches, &TraceOptions::default()).unwrap().direct.unwrap();
+    for c in 1..5 {
+        let off = (direct.column(c) - direct.column(0) * (c + 1) as f64).amax();
+        assert!(off < 1e-12 * direct.amax(), "band {c}: {off}");
+    }
+}
+
+#[test]
 fn without_colour_a_scene_is_the_grey_one_of_the_same_luminance() {
     let scene = mesh("cornell_box");
     let grey: Vec<Material> = scene

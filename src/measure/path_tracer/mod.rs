@@ -99,10 +99,9 @@ impl<'t, 's> PathTracer<'t, 's> {
                 Beyond::Away(last) => {
                     if let Some(sky) = walker.tracer.scene().sky() {
                         let (share, tint) = sky.shares().tinted(last.direction);
-                        let tint = tint.unwrap_or([1.0; 3]);
-                        let seen = sky.zenith.iter().zip(&colour).zip(tint);
-                        radiance.iter_mut().zip(seen).for_each(|(sum, ((zenith, colour), tint))| {
-                            *sum += share * tint * zenith * colour
+                        let seen = sky.zenith.iter().zip(&colour).enumerate();
+                        radiance.iter_mut().zip(seen).for_each(|(sum, (c, (zenith, colour)))| {
+                            *sum += share * tint.map_or(1.0, |tint| tint[c]) * zenith * colour;
                         });
                     }
                     return Some(first);
