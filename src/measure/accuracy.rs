@@ -102,7 +102,7 @@ pub struct Accurate<'s> {
 }
 
 /// The first step.
-const FIRST: Setting = Setting { patches: 1000.0, rays: 64.0 };
+const FIRST: Setting = Setting { patches: 512.0, rays: 64.0 };
 
 /// The fewest and most rays a patch.
 const RAYS: [f64; 2] = [32.0, 4096.0];
@@ -115,6 +115,10 @@ const AIM: f64 = 0.95;
 
 /// ... and one that follows a step which missed the goal takes at least so many times its work.
 const GROWTH: f64 = 1.4;
+
+/// The same of a step that only adds rays, whose effect is known better; and the fewest rays worth adding.
+const GROWTH_IN_RAYS: f64 = 1.15;
+const FEWEST_MORE: f64 = 16.0;
 
 /// How far batches differ makes the bound on noise larger by about so much.
 const NOISE_SPREAD: f64 = 1.08;
@@ -130,6 +134,13 @@ const NOISE_POWER: f64 = 0.55;
 
 /// Mesh error falls as the edge to a power in this range.
 const MESH_POWERS: [f64; 2] = [0.6, 2.0];
+
+/// What it is taken to be before two cuts have told.
+const MESH_POWER: f64 = 1.2;
+
+/// Numbers of patches to choose from: the first step's, and so many times more each.
+const RUNGS: i32 = 80;
+const RUNG: f64 = 1.189_207_115_002_721;
 
 /// Part of the time that steps may take; the rest is for solving once more, for pictures and files.
 const FOR_STEPS: f64 = 0.85;
@@ -148,14 +159,20 @@ pub fn reach<'s>(
     trace: &TraceOptions,
 ) -> Result<Accurate<'s>, MeasureError> {
     let began = Instant::now();
-    let mut search = Search { tracer, goal, tessellation, trace, began, steps: Vec::new(), power: 1.0 };
-    let mut best = search.step(FIRST)?;
+    let asked = |k: i32| FIRST.patches * RUNG.powi(k);
+    let ladder = (0..RUNGS).map(|k| Rung { asked: asked(k), patches: asked(k), known: false }).collect();
+    let mut search =
+        Search { tracer, goal, tessellation, trace, began, steps: Vec::new(), power: MESH_POWER, ladder };
+    // Where faces alone are more patches than that, with fewer rays each.
+    let patches = FIRST.patches.max(tracer.scene().faces().len() as f64);
+    let rays = (FIRST.patches * FIRST.rays / patches).max(RAYS[0]);
+    let mut best = search.step(Choice { rung: 0, setting: Setting { patches, rays } })?;
     let ending = loop {
         match search.next(&best) {
             Next::End(ending) => break ending,
             Next::MoreRays(rays) => best = search.add_rays(best, rays)?,
-            Next::Step(setting) => {
-                let answer = search.step(setting)?;
+            Next::Step(choice) => {
+                let answer = search.step(choice)?;
                 if answer.budget.upper95 < best.budget.upper95 {
                     best = answer;
                 }
@@ -175,7 +192,7 @@ struct Answer<'s> {
 /// What to do next.
 enum Next {
     /// Cut and trace anew.
-    Step(Setting),
+    Step(Choice),
     /// Add so many rays to each patch.
     MoreRays(u32),
     End(Ending),
@@ -190,15 +207,33 @@ struct Search<'a, 's> {
     steps: Vec<AccuracyStep>,
     /// What mesh error falls by: the edge to this power.
     power: f64,
+    /// Numbers of patches to choose from, ascending.
+    ladder: Vec<Rung>,
+}
+
+/// A setting, and the number of patches to ask for in the ladder.
+#[derive(Clone, Copy)]
+struct Choice {
+    rung: usize,
+    setting: Setting,
+}
+
+/// A number of patches that can be asked for, and what a cut for it has: faces are cut in whole steps.
+struct Rung {
+    asked: f64,
+    patches: f64,
+    /// Whether `patches` is what was seen or foretold, not only what was asked for.
+    known: bool,
 }
 
 impl<'s> Search<'_, 's> {
     /// Cuts, traces and solves.
-    fn step(&mut self, setting: Setting) -> Result<Answer<'s>, MeasureError> {
+    fn step(&mut self, Choice { rung, setting }: Choice) -> Result<Answer<'s>, MeasureError> {
         let began = Instant::now();
-        let size = PatchSize::Count(setting.patches.round() as usize);
+        let size = PatchSize::Count(self.ladder[rung].asked as usize);
         let mut patches = Patches::new(self.tracer, &Tessellation { size, ..*self.tessellation })?;
         let factors = FormFactors::trace(self.tracer, &mut patches, &self.options(setting.rays as u32))?;
+        self.ladder[rung] = Rung { patches: patches.len() as f64, known: true, ..self.ladder[rung] };
         self.judge(began, patches, factors)
     }
 
@@ -255,76 +290,113 @@ impl<'s> Search<'_, 's> {
         Ok(Answer { patches, factors, budget })
     }
 
-    fn next(&self, best: &Answer) -> Next {
-        let last = &self.steps[self.steps.len() - 1];
+    /// What to do after the last step.
+    fn next(&mut self, best: &Answer) -> Next {
         let now = best.budget.upper95;
         let wanted = self.goal.error.map(|error| match error {
             Tolerated::Relative(share) => share,
             Tolerated::Irradiance(h) => h / best.budget.irradiance.max(f64::MIN_POSITIVE),
         });
-        let all_time = self.goal.seconds.map_or(f64::INFINITY, |seconds| FOR_STEPS * seconds);
-        let time_left = all_time - self.began.elapsed().as_secs_f64();
         if wanted.is_some_and(|wanted| now <= wanted) || wanted.is_none() && self.goal.seconds.is_none() {
             return Next::End(Ending::Reached);
         }
-        let forecast = Forecast { from: *last, power: self.power, basis: best.factors.basis() };
-        let fits = |setting: &Setting| {
-            let options = TraceOptions { rays: Some(setting.rays as u32), ..*self.trace };
-            options.check(setting.patches as usize).is_ok()
+        let all_time = self.goal.seconds.map_or(f64::INFINITY, |seconds| FOR_STEPS * seconds);
+        let time_left = all_time - self.began.elapsed().as_secs_f64();
+        let last = self.steps[self.steps.len() - 1];
+        let known = (best.patches.len() as f64, f64::from(best.factors.rays()));
+        let forecast = Forecast { from: last, power: self.power, basis: best.factors.basis(), known };
+        // Look how many patches the choice has before it is made.
+        let (cheapest, choice, lacking) = loop {
+            let (cheapest, choice, lacking) = self.choose(&forecast, wanted, time_left);
+            let unknown = choice.or(cheapest).filter(|choice| !self.ladder[choice.rung].known);
+            let Some(Choice { rung, .. }) = unknown else { break (cheapest, choice, lacking) };
+            let rung = &mut self.ladder[rung];
+            rung.patches = best.patches.expected(self.tracer, rung.asked as usize) as f64;
+            rung.known = true;
         };
-        let grows = |s: &Setting| self.steps.len() == 1 || forecast.seconds(s) >= GROWTH * last.seconds;
-        let cheapest =
-            wanted.and_then(|wanted| forecast.cheapest(|s| grows(s) && forecast.upper95(s) <= AIM * wanted));
         // What is wanted may take more than there is: then as much of it as there is.
         let short = |of: Resource| match (wanted, cheapest) {
             (None, _) => Ending::Reached,
             (_, needed) => {
-                let needed = needed.unwrap_or(Setting { patches: f64::INFINITY, rays: f64::INFINITY });
+                let nothing = Setting { patches: f64::INFINITY, rays: f64::INFINITY };
+                let needed = needed.map_or(nothing, |choice| choice.setting);
                 Ending::Short { of, needed, seconds: forecast.seconds(&needed) }
             }
         };
         if self.steps.len() >= MOST_STEPS {
             return Next::End(short(Resource::Effect));
         }
-        let affordable = |s: &Setting| fits(s) && forecast.seconds(s) <= time_left;
-        let (setting, lacking) = match cheapest {
-            Some(setting) if affordable(&setting) => (setting, None),
-            _ => {
-                let lacking =
-                    if cheapest.is_some_and(|s| !fits(&s)) { Resource::Memory } else { Resource::Time };
-                match forecast.best(affordable) {
-                    Some(setting) => (setting, Some(lacking)),
-                    None => return Next::End(short(lacking)),
-                }
-            }
-        };
-        let was_tried = |setting: &Setting| {
-            let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.2;
-            let same = |s: &AccuracyStep| {
-                near(setting.patches, s.patches as f64) && near(setting.rays, f64::from(s.rays))
-            };
-            self.steps.iter().any(same)
+        let Some(Choice { rung, setting }) = choice else {
+            return Next::End(short(lacking.unwrap_or(Resource::Time)));
         };
         if let Some(of) = lacking
-            && (was_tried(&setting) || forecast.upper95(&setting) > WORTHWHILE * now)
+            && (self.was_tried(&setting) || forecast.upper95(&setting) > WORTHWHILE * now)
         {
             return Next::End(short(of));
         }
         // Towards something far dearer, go half of the way first.
         let leap = forecast.seconds(&setting) / last.seconds;
         if leap > LEAP && self.steps.len() + 1 < MOST_STEPS {
-            let part = leap.sqrt() / leap;
-            return Next::Step(Setting {
-                patches: (setting.patches * part).max(last.patches as f64),
-                ..setting
-            });
+            let half = (setting.patches * leap.sqrt() / leap).max(last.patches as f64);
+            let rung = self.ladder[..rung].iter().rposition(|rung| rung.patches <= half).unwrap_or(rung);
+            return Next::Step(Choice { rung, setting });
         }
-        let same_cut = (0.8..1.25).contains(&(setting.patches / best.patches.len() as f64));
-        let more = setting.rays - f64::from(best.factors.rays());
-        if same_cut && more >= RAYS[0] && best.factors.basis() == Basis::Constant {
-            return Next::MoreRays(more as u32);
+        match forecast.more_rays(&setting) {
+            Some(more) => Next::MoreRays(more as u32),
+            None => Next::Step(Choice { rung, setting }),
         }
-        Next::Step(setting)
+    }
+
+    /// The cheapest choice that is good enough; the one to make, which is the best that can be had where that is too dear; and what
+    /// there is too little of, then.
+    fn choose(
+        &self,
+        forecast: &Forecast,
+        wanted: Option<f64>,
+        time_left: f64,
+    ) -> (Option<Choice>, Option<Choice>, Option<Resource>) {
+        let fits = |setting: &Setting| {
+            let options = TraceOptions { rays: Some(setting.rays as u32), ..*self.trace };
+            options.check(setting.patches as usize).is_ok()
+        };
+        let affordable = |s: &Setting| fits(s) && forecast.seconds(s) <= time_left;
+        let grows = |s: &Setting| {
+            let growth = if forecast.more_rays(s).is_some() { GROWTH_IN_RAYS } else { GROWTH };
+            self.steps.len() == 1 || forecast.seconds(s) >= growth * forecast.from.seconds
+        };
+        let least = |choices: &mut dyn Iterator<Item = Choice>, of: &dyn Fn(&Setting) -> f64| {
+            choices.min_by(|a, b| of(&a.setting).total_cmp(&of(&b.setting)))
+        };
+        let cheapest = wanted.and_then(|wanted| {
+            let is_enough = |s: &Setting| grows(s) && forecast.upper95(s) <= AIM * wanted;
+            let mut enough = self.choices().filter(|choice| is_enough(&choice.setting));
+            least(&mut enough, &|s| forecast.price(s))
+        });
+        match cheapest {
+            Some(choice) if affordable(&choice.setting) => (cheapest, Some(choice), None),
+            _ => {
+                let too_large = cheapest.is_some_and(|choice| !fits(&choice.setting));
+                let lacking = if too_large { Resource::Memory } else { Resource::Time };
+                let mut possible = self.choices().filter(|choice| affordable(&choice.setting));
+                (cheapest, least(&mut possible, &|s| forecast.upper95(s)), Some(lacking))
+            }
+        }
+    }
+
+    /// All that can be chosen: every number of patches with every number of rays.
+    fn choices(&self) -> impl Iterator<Item = Choice> {
+        let rays = (0..).map(|k| RAYS[0] * (0.5 * f64::from(k)).exp2()).take_while(|&rays| rays <= RAYS[1]);
+        let rays: Vec<f64> = rays.map(|rays| (rays / 8.0).round() * 8.0).collect();
+        self.ladder.iter().enumerate().flat_map(move |(rung, &Rung { patches, .. })| {
+            rays.clone().into_iter().map(move |rays| Choice { rung, setting: Setting { patches, rays } })
+        })
+    }
+
+    fn was_tried(&self, setting: &Setting) -> bool {
+        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.2;
+        self.steps
+            .iter()
+            .any(|s| near(setting.patches, s.patches as f64) && near(setting.rays, s.rays.into()))
     }
 }
 
@@ -333,6 +405,8 @@ struct Forecast {
     from: AccuracyStep,
     power: f64,
     basis: Basis,
+    /// Patches and rays of the best answer.
+    known: (f64, f64),
 }
 
 impl Forecast {
@@ -346,27 +420,28 @@ impl Forecast {
         (MESH_AT_MOST * mesh).hypot(at_most * noise)
     }
 
+    /// What it takes from the start.
     fn seconds(&self, s: &Setting) -> f64 {
-        let work = |patches: f64, rays: f64| patches * (rays + PATCH_IN_RAYS);
         self.from.seconds * work(s.patches, s.rays)
             / work(self.from.patches as f64, f64::from(self.from.rays))
     }
 
-    /// All settings worth a thought.
-    fn settings(&self) -> impl Iterator<Item = Setting> {
-        let patches = (-8..80).map(|k| self.from.patches as f64 * (0.25 * f64::from(k)).exp2());
-        let rays = (0..).map(|k| RAYS[0] * (0.5 * f64::from(k)).exp2()).take_while(|&rays| rays <= RAYS[1]);
-        let rays: Vec<f64> = rays.map(|rays| (rays / 8.0).round() * 8.0).collect();
-        patches.flat_map(move |patches| rays.clone().into_iter().map(move |rays| Setting { patches, rays }))
+    /// What it takes with what is there.
+    fn price(&self, s: &Setting) -> f64 {
+        let rays = self.more_rays(s).unwrap_or(s.rays);
+        self.seconds(s) * work(s.patches, rays) / work(s.patches, s.rays)
     }
 
-    /// The cheapest that is good enough.
-    fn cheapest(&self, is_enough: impl Fn(&Setting) -> bool) -> Option<Setting> {
-        self.settings().filter(is_enough).min_by(|a, b| self.seconds(a).total_cmp(&self.seconds(b)))
+    /// How many rays the best answer lacks, where that is all it lacks.
+    fn more_rays(&self, s: &Setting) -> Option<f64> {
+        let (patches, rays) = self.known;
+        let more = s.rays - rays;
+        let same_cut = (s.patches / patches - 1.0).abs() < 0.02;
+        (same_cut && more >= FEWEST_MORE && self.basis == Basis::Constant).then_some(more)
     }
+}
 
-    /// The best that can be had.
-    fn best(&self, can_be_had: impl Fn(&Setting) -> bool) -> Option<Setting> {
-        self.settings().filter(can_be_had).min_by(|a, b| self.upper95(a).total_cmp(&self.upper95(b)))
-    }
+/// Seconds rise in proportion to this.
+fn work(patches: f64, rays: f64) -> f64 {
+    patches * (rays + PATCH_IN_RAYS)
 }

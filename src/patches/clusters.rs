@@ -2,7 +2,8 @@
 //!
 //! Each face is cut anew with a longer edge, and the patches whose centres lie in the same cell of it form a cluster. Where a face is too small
 //! to be cut any more coarsely, its patches are taken together with those of other faces of the same object, material and side: these are halved
-//! again and again across the direction in which their centres or their normals spread most.
+//! again and again across the direction in which their centres or their normals spread most. Where the light on them is known, what it tells apart is
+//! not taken together: the two sides of a wall would leak into each other.
 
 use std::collections::HashMap;
 
@@ -16,6 +17,9 @@ use crate::scene::Side;
 /// How far apart two opposite normals are taken to be, as a share of the scene's size: patches that face elsewhere part first.
 const TURN: f64 = 0.5;
 
+/// Faces on which the light is more than so many times as strong as on others are not taken together with them.
+const UNLIKE: f64 = 4.0;
+
 /// A way to take patches together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clusters {
@@ -26,8 +30,13 @@ pub struct Clusters {
 }
 
 impl Patches<'_> {
-    /// Clusters of about `patches` patches each, on edges so many times longer as its root says.
-    pub fn clusters(&self, patches: f64) -> Clusters {
+    /// Clusters of about `patches` patches each, on edges so many times longer as its root says. `light` is how strong it is on each patch, in any
+    /// unit. Without it objects and materials of too few patches are taken together too.
+    ///
+    /// # Panics
+    /// If `light` has not one value per patch.
+    pub fn clusters(&self, patches: f64, light: Option<&[f64]>) -> Clusters {
+        assert!(light.is_none_or(|light| light.len() == self.len()), "one value per patch");
         let faces = 0..self.scene.faces().len();
         let corners: Vec<_> =
             faces.clone().map(|f| self.scene.corners(f).map(|p| self.frame.from_world(p))).collect();
@@ -52,20 +61,28 @@ impl Patches<'_> {
         let mut clusters = Clusters { of_patch: vec![0; self.len()], count: 0 };
         let mut small = Vec::new();
         for (slot, members) in cells {
-            // What a face's border leaves over stays by itself: far from each other such leftovers have nothing in common.
-            let of_face = self.patches_of(slot.face, slot.side).len() as f64;
-            if of_face > 0.5 * patches {
+            // Where a coarser cut is meant, what a face's border leaves over stays by itself, as it would there.
+            let count = match light {
+                Some(_) => self.patches_of(slot.face, slot.side).len(),
+                None => members.len(),
+            };
+            if count as f64 > 0.5 * patches {
                 clusters.add(&members);
             } else {
                 small.push((slot, members));
             }
         }
-        self.pool(small, patches, &mut clusters);
+        self.pool(small, (patches, light), &mut clusters);
         clusters
     }
 
     /// Takes together the cells of faces that have too few patches each.
-    fn pool(&self, cells: Vec<(Slot, Vec<u32>)>, patches: f64, clusters: &mut Clusters) {
+    fn pool(
+        &self,
+        cells: Vec<(Slot, Vec<u32>)>,
+        (patches, light): (f64, Option<&[f64]>),
+        clusters: &mut Clusters,
+    ) {
         let centre_of = |members: &[u32]| {
             members.iter().map(|&i| self.centre(i as usize)).sum::<DVec3>() / members.len() as f64
         };
@@ -87,9 +104,27 @@ impl Patches<'_> {
         };
         let mut order: Vec<usize> = (0..cells.len()).collect();
         order.sort_by_key(|&cell| (kind(cell), cell));
-        let halving = Halving { cells: &cells, features: [&centres, &normals], most: patches };
+        let light_on = |members: &[u32]| {
+            light.map_or(1.0, |light| {
+                let sum: f64 = members.iter().map(|&i| light[i as usize]).sum();
+                sum / members.len() as f64
+            })
+        };
+        let lights: Vec<f64> = cells.iter().map(|(_, members)| light_on(members)).collect();
+        let halving =
+            Halving { cells: &cells, features: [&centres, &normals], light: &lights, most: patches };
+        let mut few = Vec::new();
         for alike in order.chunk_by_mut(|&a, &b| kind(a) == kind(b)) {
-            halving.halve(alike, clusters);
+            let members: usize = alike.iter().map(|&cell| cells[cell].1.len()).sum();
+            // Where only a field is to be smoothed, what is too few by itself joins others nearby.
+            if light.is_none() && (members as f64) < 0.5 * patches {
+                few.extend_from_slice(alike);
+            } else {
+                halving.halve(alike, clusters);
+            }
+        }
+        if !few.is_empty() {
+            halving.halve(&mut few, clusters);
         }
     }
 
@@ -129,6 +164,7 @@ struct Halving<'a> {
     cells: &'a [(Slot, Vec<u32>)],
     /// Centres and normals.
     features: [&'a [DVec3]; 2],
+    light: &'a [f64],
     most: f64,
 }
 
@@ -136,8 +172,7 @@ impl Halving<'_> {
     fn halve(&self, set: &mut [usize], clusters: &mut Clusters) {
         let patches = || set.iter().flat_map(|&cell| &self.cells[cell].1).copied();
         if set.len() == 1 || patches().count() as f64 <= self.most {
-            clusters.add(&patches().collect::<Vec<_>>());
-            return;
+            return self.part_by_light(set, clusters);
         }
         let spread = self.features.map(|feature| {
             let (low, high) = bounds(set.iter().map(|&cell| feature[cell]));
@@ -159,8 +194,65 @@ impl Halving<'_> {
         self.halve(first, clusters);
         self.halve(second, clusters);
     }
+
+    /// Makes clusters of cells with like light.
+    fn part_by_light(&self, set: &mut [usize], clusters: &mut Clusters) {
+        set.sort_by(|&a, &b| self.light[a].total_cmp(&self.light[b]).then(a.cmp(&b)));
+        let mut left = &set[..];
+        while let Some(&darkest) = left.first() {
+            let alike = left.partition_point(|&cell| self.light[cell] <= UNLIKE * self.light[darkest]);
+            let (together, others) = left.split_at(alike);
+            let members: Vec<u32> = together.iter().flat_map(|&cell| &self.cells[cell].1).copied().collect();
+            clusters.add(&members);
+            left = others;
+        }
+    }
 }
 
 fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patches::{PatchSize, Tessellation};
+    use crate::scene::Scene;
+    use crate::trace::Tracer;
+
+    #[test]
+    fn what_light_tells_apart_is_not_taken_together() {
+        // Faces of a patch or two each, bright on one side of the room and dark on the other.
+        let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/gallery.obj")).unwrap();
+        let tracer = Tracer::new(&scene);
+        let size = PatchSize::Count(1000);
+        let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+        let light: Vec<f64> =
+            (0..patches.len()).map(|i| if patches.centre(i).x < 0.1 { 1.0 } else { 2.0 * UNLIKE }).collect();
+        let mixed = |clusters: &Clusters| {
+            let mut seen: Vec<Option<f64>> = vec![None; clusters.count];
+            (0..patches.len())
+                .filter(|&i| *seen[clusters.of_patch[i]].get_or_insert(light[i]) != light[i])
+                .count()
+        };
+        assert!(mixed(&patches.clusters(8.0, None)) > 0);
+        let alike = patches.clusters(8.0, Some(&light));
+        assert_eq!(mixed(&alike), 0);
+        assert!(3 * alike.count < patches.len(), "{} of {}", alike.count, patches.len());
+    }
+
+    #[test]
+    fn a_cut_has_about_as_many_patches_as_expected() {
+        let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/corridor.obj")).unwrap();
+        let tracer = Tracer::new(&scene);
+        let cut = |count: usize| {
+            let size = PatchSize::Count(count);
+            Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap()
+        };
+        let coarse = cut(300);
+        for count in [1000, 3000, 9000] {
+            let (expected, found) = (coarse.expected(&tracer, count) as f64, cut(count).len() as f64);
+            assert!((expected / found - 1.0).abs() < 0.1, "{expected} {found}");
+        }
+    }
 }

@@ -182,6 +182,13 @@ impl<'s> Patches<'s> {
         Ok(patches)
     }
 
+    /// About how many patches a cut for `count` would have, if light reached what it reaches here: faces are cut in whole steps, and all of
+    /// a mesh at once where they are alike.
+    pub fn expected(&self, tracer: &Tracer, count: usize) -> usize {
+        let shares: Vec<_> = (0..self.scene.faces().len()).map(|f| self.reached_share(f)).collect();
+        edge_for(tracer, count, &mut Parting::new(tracer), |face| shares[face]).1.round() as usize
+    }
+
     /// Cuts every face for legs up to `edge` (normalised); no slot is a patch yet.
     fn cut(
         tracer: &Tracer<'s>,

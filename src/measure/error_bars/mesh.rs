@@ -11,15 +11,26 @@ use crate::patches::{Basis, Clusters, Patches};
 use crate::solve::{CgOptions, conjugate_gradients};
 use crate::transport::{FormFactors, Sources, Transport};
 
-/// What is left as error of the change that coarser elements make, as a root mean square over faces; and how many patches are taken together for
-/// them. Constant elements are held against those of twice the edge: 1/√5, for errors in proportion to the edge that are not alike in sign.
-/// Linear ones are held against constant ones on the same patches, which err about three times as much.
-fn coarser(basis: Basis) -> (f64, f64) {
+/// How many patches are taken together for coarser elements. Linear elements are held against constant ones on the same patches.
+fn together(basis: Basis) -> f64 {
     match basis {
-        Basis::Constant => (0.55, 4.0),
-        Basis::Linear => (0.4, 1.0),
+        Basis::Constant => 4.0,
+        Basis::Linear => 1.0,
     }
 }
+
+/// What is left as error of the change that elements coarser by so many patches each make, as a root mean square over faces. Errors of constant
+/// elements in proportion to the edge that are not alike in sign leave 1/√(1 + merged) of it; alike, up to 1. Linear elements err about a third as
+/// much as constant ones.
+fn remains(basis: Basis, merged: f64) -> f64 {
+    match basis {
+        Basis::Constant => ALIKE / (1.0 + merged).sqrt(),
+        Basis::Linear => 0.4,
+    }
+}
+
+/// How much more errors on two cuts are alike in sign than chance would have it; measured.
+const ALIKE: f64 = 1.23;
 
 /// How far irradiance per patch (n × c, W·m⁻²) may be off, with the sign in which coarser elements change it.
 pub(super) fn mesh_error(
@@ -28,11 +39,12 @@ pub(super) fn mesh_error(
     sources: &Sources,
     irradiance: &DMatrix<f64>,
 ) -> Result<DMatrix<f64>, MeasureError> {
-    let (remains, together) = coarser(factors.basis());
-    let clusters = patches.clusters(together);
+    let light: Vec<f64> = irradiance.row_iter().map(|row| row.sum()).collect();
+    let clusters = patches.clusters(together(factors.basis()), Some(&light));
     let on_clusters = solved_on(patches, &clusters, factors, sources)?;
     let change = patches.average_by(&clusters, irradiance) - on_clusters;
-    Ok(patches.spread_over(&clusters, &(remains * change)))
+    let merged = patches.len() as f64 / clusters.count as f64;
+    Ok(patches.spread_over(&clusters, &(remains(factors.basis(), merged) * change)))
 }
 
 /// Irradiance per cluster of the scene solved with constant light on clusters.

@@ -10,8 +10,9 @@ use crate::patches::{Basis, Patches};
 use crate::solve::{DirectOptions, direct};
 use crate::transport::{FormFactors, Sources, Transport};
 
-/// About how many clusters of patches.
-const CLUSTERS: f64 = 256.0;
+/// About how many clusters of patches; and the fewest patches in one.
+const CLUSTERS: f64 = 128.0;
+const FEWEST: f64 = 8.0;
 
 /// Rays towards lights without area are points of one sequence, which lie more evenly than those of eight independent ones would. By so much their
 /// parts differ more than they should; measured with skies and spots.
@@ -33,7 +34,7 @@ impl Noise {
         sources: &Sources,
         radiance: &DMatrix<f64>,
     ) -> Result<Self, MeasureError> {
-        let clusters = patches.clusters((patches.len() as f64 / CLUSTERS).max(1.0));
+        let clusters = patches.clusters((patches.len() as f64 / CLUSTERS).max(FEWEST), None);
         let each = factors.basis().coefficients();
         let of_coefficient: Vec<usize> =
             clusters.of_patch.iter().flat_map(|&cluster| std::iter::repeat_n(cluster, each)).collect();
