@@ -222,13 +222,13 @@ mod tests {
 
     #[test]
     fn what_light_tells_apart_is_not_taken_together() {
-        // Faces of a patch or two each, bright on one side of the room and dark on the other.
+        // Faces of a patch or two each, every other one bright.
         let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/gallery.obj")).unwrap();
         let tracer = Tracer::new(&scene);
         let size = PatchSize::Count(1000);
         let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
         let light: Vec<f64> =
-            (0..patches.len()).map(|i| if patches.centre(i).x < 0.1 { 1.0 } else { 2.0 * UNLIKE }).collect();
+            (0..patches.len()).map(|i| if i % 2 == 0 { 1.0 } else { 2.0 * UNLIKE }).collect();
         let mixed = |clusters: &Clusters| {
             let mut seen: Vec<Option<f64>> = vec![None; clusters.count];
             (0..patches.len())
@@ -238,7 +238,7 @@ mod tests {
         assert!(mixed(&patches.clusters(8.0, None)) > 0);
         let alike = patches.clusters(8.0, Some(&light));
         assert_eq!(mixed(&alike), 0);
-        assert!(3 * alike.count < patches.len(), "{} of {}", alike.count, patches.len());
+        assert!(2 * alike.count < patches.len(), "{} of {}", alike.count, patches.len());
     }
 
     #[test]
