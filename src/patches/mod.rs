@@ -10,6 +10,7 @@
 
 mod aggregate;
 mod basis;
+mod carried;
 mod clusters;
 mod contacts;
 mod groups;

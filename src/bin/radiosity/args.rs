@@ -115,7 +115,7 @@ impl AccuracyArgs {
 
     pub fn light<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> LightOptions<'a> {
         let rays = self.rays.unwrap_or(LightOptions::default().rays);
-        LightOptions { rays, seed: run.seed, progress }
+        LightOptions { rays, seed: run.seed, progress, ..Default::default() }
     }
 
     pub fn trace<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> TraceOptions<'a> {
@@ -268,7 +268,17 @@ impl PictureArgs {
         let &Self { samples, .. } = self;
         let seed = run.seed;
         let surfaces = Surfaces::Textured;
-        let options = RenderOptions { width, height, shading, surfaces, outlines, samples, seed, progress };
+        let options = RenderOptions {
+            width,
+            height,
+            shading,
+            surfaces,
+            outlines,
+            samples,
+            seed,
+            progress,
+            ..Default::default()
+        };
         options.validate()?;
         Ok(options)
     }

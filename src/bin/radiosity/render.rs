@@ -1,6 +1,6 @@
 //! `radiosity render`: pictures.
 
-use radiosity::output;
+use radiosity::output::{self, RenderOptions};
 use radiosity::solve;
 use radiosity::trace::Tracer;
 use radiosity::transport::{Keep, Transport};
@@ -44,6 +44,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let e = sources.right_hand_side(&k);
     let solution = solve::solve(&k, &e, &args.solver.options(&args.run, progress))?;
     let camera = args::camera(&tracer, &patches);
+    let look = RenderOptions { carried: sources.carried.as_ref().map(|light| &light.irradiance), ..look };
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
     args::warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;
