@@ -35,7 +35,7 @@ pub use aggregate::FaceRow;
 pub use basis::Basis;
 pub use clusters::Clusters;
 pub use groups::{Group, GroupBy, Groups};
-pub use outlook::Outlook;
+pub use outlook::{Outlook, Stretch};
 use parts::{Parting, Parts};
 pub use sides::Reach;
 use size::edge_for;

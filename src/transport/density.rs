@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use super::recipe::RayCount;
-use crate::patches::Outlook;
+use crate::patches::{Outlook, Stretch};
 use crate::scene::Side;
 use crate::trace::sampling::{Sequence, uniform_triangle};
 use crate::trace::{Lamps, Tracer};
@@ -56,8 +56,10 @@ struct Place {
 impl Density {
     /// Looks at pairs of points; `block` is the number of rays from which on a pair of linear elements is kept as a block.
     pub fn new(tracer: &Tracer, outlook: &Outlook, lamps: &Lamps, count: RayCount, block: usize) -> Self {
-        let places = Places::new(tracer, &outlook.patches_of, lamps);
-        let carriers = Places::new(tracer, &outlook.carriers, lamps);
+        let places = Places::new(tracer, &outlook.patches_of, lamps, outlook.stretches.iter().copied());
+        let whole = |face: usize| Stretch { face, corners: *tracer.corners(face), cells: 1.0 };
+        let faces = (0..outlook.carriers.len()).map(whole);
+        let carriers = Places::new(tracer, &outlook.carriers, lamps, faces);
         let rows = places.draw(ROWS, ROW_STREAM, [1.0, 0.0]);
         let columns = places.draw(COLUMNS, COLUMN_STREAM, [0.5; 2]);
         let carriers = carriers.draw(CARRIERS, CARRIER_STREAM, [0.0, 1.0]);
@@ -150,44 +152,42 @@ fn form_factor(from: &Place, to: &Place) -> f64 {
     here * there / squared * to.area / (std::f64::consts::PI * squared + to.area)
 }
 
-/// All sides of faces that have patches, to draw places from.
+fn area([a, b, c]: &[DVec3; 3]) -> f64 {
+    0.5 * (b - a).cross(c - a).length()
+}
+
+/// All stretches of sides that have patches, to draw places from.
 struct Places<'a, 's> {
     tracer: &'a Tracer<'s>,
-    /// Per face and side.
-    counts: &'a [[f64; 2]],
     is_lamp: Vec<bool>,
-    sides: Vec<(usize, Side)>,
+    sides: Vec<(Stretch, Side)>,
     /// Cumulative numbers of patches, and areas, per entry of `sides`.
     by: [Vec<f64>; 2],
 }
 
 impl<'a, 's> Places<'a, 's> {
-    fn new(tracer: &'a Tracer<'s>, counts: &'a [[f64; 2]], lamps: &Lamps) -> Self {
+    /// Those of `stretches` that have patches by `counts`, per face and side.
+    fn new(
+        tracer: &'a Tracer<'s>,
+        counts: &[[f64; 2]],
+        lamps: &Lamps,
+        stretches: impl Iterator<Item = Stretch>,
+    ) -> Self {
         let mut is_lamp = vec![false; counts.len()];
         lamps.faces().for_each(|face| is_lamp[face as usize] = true);
-        let mut places = Self { tracer, counts, is_lamp, sides: Vec::new(), by: [Vec::new(), Vec::new()] };
+        let mut places = Self { tracer, is_lamp, sides: Vec::new(), by: [Vec::new(), Vec::new()] };
         let mut sums = [0.0; 2];
-        for face in 0..counts.len() {
-            for side in Side::BOTH {
-                let count = places.count(face, side);
+        for stretch in stretches {
+            for (side, count) in Side::BOTH.into_iter().zip(counts[stretch.face]) {
                 if count > 0.0 {
-                    sums[0] += count;
-                    sums[1] += places.area(face);
-                    places.sides.push((face, side));
+                    sums[0] += stretch.cells;
+                    sums[1] += area(&stretch.corners);
+                    places.sides.push((stretch, side));
                     places.by.iter_mut().zip(sums).for_each(|(by, sum)| by.push(sum));
                 }
             }
         }
         places
-    }
-
-    fn count(&self, face: usize, side: Side) -> f64 {
-        self.counts[face][usize::from(side == Side::Back)]
-    }
-
-    fn area(&self, face: usize) -> f64 {
-        let [a, b, c] = *self.tracer.corners(face);
-        0.5 * (b - a).cross(c - a).length()
     }
 
     /// Draws places, these parts of them by number of patches and by area.
@@ -199,10 +199,10 @@ impl<'a, 's> Places<'a, 's> {
             let kind = usize::from(k >= split);
             let goal = which * totals[kind];
             let at = self.by[kind].partition_point(|&sum| sum <= goal).min(self.sides.len() - 1);
-            let (face, side) = self.sides[at];
-            let [a, b, c] = *self.tracer.corners(face);
+            let (Stretch { face, corners, cells: count }, side) = self.sides[at];
+            let [a, b, c] = corners;
             let [u, v] = uniform_triangle([s, t]);
-            let (count, area) = (self.count(face, side), self.area(face));
+            let area = area(&corners);
             // Density of this very patch among all draws.
             let density = parts[0] / totals[0] + parts[1] * area / count / totals[1];
             let material = self.tracer.scene().material_of(face);

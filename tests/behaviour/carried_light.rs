@@ -85,13 +85,13 @@ fn a_point_light_over_a_mirror_is_two_lights() {
         }
     }
     // Patch by patch within the noise that the parts tell.
-    let sources = trace(&tracer, &patches, Basis::Constant, 1024);
+    let sources = trace(&tracer, &patches, Basis::Constant, 8192);
     let (found, errors) = (&sources.carried.as_ref().unwrap().irradiance, standard_errors(&sources));
     let mut squares = 0.0;
     for i in 0..patches.len() {
         let between = image - patches.centre(i);
         let exact = 0.8 * 20.0 * between.y.abs() / between.length().powi(3);
-        assert!(errors[i] < 0.05 * exact, "{i}: {} ± {}", found[i], errors[i]);
+        assert!(errors[i] < 0.1 * exact, "{i}: {} ± {}", found[i], errors[i]);
         squares += ((found[i] - exact) / errors[i]).powi(2) / patches.len() as f64;
     }
     // A square of Student's t with 7 degrees of freedom is 7/5 in the mean.
@@ -269,11 +269,15 @@ fn skies_of_every_kind_agree_with_and_without_shots() {
             let options = LightOptions { rays: 4096, caustics, ..Default::default() };
             Sources::trace(&tracer, &patches, Basis::Constant, &options).unwrap()
         });
+        let flux = |field: &DMatrix<f64>| (0..patches.len()).map(|i| patches.area(i) * field[i]).sum::<f64>();
+        let [(ours, error), (theirs, other)] = [&with, &without].map(|sources| {
+            let squares: f64 = sources.spread.iter().map(|more| flux(more).powi(2)).sum();
+            (flux(sources.direct.as_ref().unwrap()), (squares / 56.0).sqrt())
+        });
+        let (z, noise) = ((ours - theirs) / error.hypot(other), error.hypot(other) / theirs);
+        assert!(z.abs() < 4.0 && noise < 0.01, "{ours} ± {error}, {theirs} ± {other}");
         let errors = [&with, &without].map(standard_errors);
         let [with, without] = [with, without].map(|sources| sources.carried.unwrap().irradiance);
-        let sum = |field: &DMatrix<f64>| (0..patches.len()).map(|i| patches.area(i) * field[i]).sum::<f64>();
-        let off = sum(&with) / sum(&without) - 1.0;
-        assert!(off.abs() < 5e-3, "{off}");
         let mut squares = 0.0;
         for i in 0..patches.len() {
             let variance = errors[0][i].powi(2) + errors[1][i].powi(2);
@@ -445,12 +449,13 @@ fn a_bright_spot_in_a_picture_of_the_sky_is_found_in_a_mirror() {
         let errors = standard_errors(&sources);
         (sources.carried.unwrap().irradiance, errors)
     };
-    let (exact, noise) = of(Shots::Skipped, 1 << 18);
+    let (exact, _) = of(Shots::Skipped, 1 << 18);
     let (found, errors) = of(Shots::Shot, 1024);
     let off = (found.sum() / exact.sum() - 1.0).abs();
     assert!(off < 0.02, "{off}");
-    // As much noise as by rays of patches alone, from a small part of the rays.
-    assert!(errors.norm() < 3.0 * noise.norm(), "{} {}", errors.norm(), noise.norm());
+    // With much less noise than by as many rays of patches alone.
+    let (_, noise) = of(Shots::Skipped, 1024);
+    assert!(errors.norm() < 0.6 * noise.norm(), "{} {}", errors.norm(), noise.norm());
 }
 
 #[test]
@@ -508,7 +513,7 @@ fn gathered_pictures_show_light_off_mirrors_as_solved_ones_do() {
         position: DVec3::new(-1.0, 2.0, 0.0),
         target: DVec3::new(2.0, 2.0, 0.0),
         up: DVec3::Y,
-        fov: 40.0,
+        fov: 20.0,
     };
     let carried = sources.carried.as_ref().map(|light| &light.irradiance);
     let mean = |shading: Shading, carried| {
@@ -519,5 +524,5 @@ fn gathered_pictures_show_light_off_mirrors_as_solved_ones_do() {
     };
     let [solved, gathered] = [mean(Shading::Smooth, None), mean(Shading::Gather, carried)];
     assert!((gathered / solved - 1.0).abs() < 0.02, "{gathered} {solved}");
-    assert!(mean(Shading::Gather, None) < 0.7 * solved);
+    assert!(mean(Shading::Gather, None) < 0.9 * solved);
 }

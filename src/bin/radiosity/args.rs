@@ -293,6 +293,17 @@ impl PictureArgs {
         }
     }
 
+    /// Says so where this way of shading lacks light that is solved for.
+    pub fn warn_of_light_paths(&self, scene: &Scene, terminal: &Terminal) {
+        let carries = (0..scene.faces().len()).any(|face| scene.is_carrier(face));
+        if matches!(self.shading, ShadingArg::Path) && carries && scene.lights().next().is_some() {
+            terminal.warn(
+                "light paths that start at the camera do not find points, spots, luminaires and suns by way of mirrors, metals and glass: \
+                 the picture lacks that light; --shading gather shows it",
+            );
+        }
+    }
+
     pub fn exposure(&self, picture: &Picture) -> Exposure {
         self.exposure.map_or_else(|| picture.exposure(), |factor| Exposure { factor })
     }

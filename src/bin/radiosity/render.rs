@@ -29,6 +29,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("load", 0.0)?;
     let (scene, _) = args.factors.settle(args.scene.load()?, terminal)?;
     args.picture.refuse_to_leave_out(&scene, &args.factors)?;
+    args.picture.warn_of_light_paths(&scene, terminal);
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, Keep::Nothing, terminal)?;

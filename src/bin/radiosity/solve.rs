@@ -49,6 +49,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("load", 0.0)?;
     let (scene, plan) = args.factors.settle(args.scene.load()?, terminal)?;
     args.picture.refuse_to_leave_out(&scene, &args.factors)?;
+    args.picture.warn_of_light_paths(&scene, terminal);
     let direct_only = scene.is_without(Feature::Interreflection);
     if args.lamp_groups && direct_only {
         return Err("--lamp-groups needs interreflection; leave one of the two out".into());
