@@ -2,8 +2,8 @@
 //!
 //! Between patches i and j some N (F_ij + F_ji) rays go, so that an entry is there with probability 1 − exp(−N (F_ij + F_ji)).
 //! F is taken from pairs of random points as cos θ cos θ′ A_j / (π r² + A_j). What stands in between is not looked at; but where a row
-//! sums to more than 1, some of it must hide the rest, and form factors are taken to fade with distance as exp(−κr), κ such that it
-//! sums to 1. The number of entries comes out within a tenth where nothing hides anything, and within a third in furnished rooms.
+//! sums to more than 1, some of it must hide the rest, and pairs are taken to see each other with a chance that fades with distance as exp(−κr), κ such
+//! that it sums to 1. The number of entries comes out within a tenth where nothing hides anything, and within a third in furnished rooms.
 
 use glam::DVec3;
 
@@ -75,9 +75,11 @@ impl Density {
             let parts: Vec<[f64; 2]> =
                 all.map(|(f, place)| [f * place.weight, place.point.distance(row.point)]).collect();
             let fade = fading(&parts);
-            let faded =
-                |(f, place): (&mut f64, &Place)| *f *= (-fade * place.point.distance(row.point)).exp();
-            factors.iter_mut().chain(&mut to_carriers).zip(seen()).for_each(faded);
+            let seen_by = |place: &Place| (-fade * place.point.distance(row.point)).exp();
+            let visible: Vec<f64> = columns.iter().map(seen_by).collect();
+            let whole = factors.clone();
+            factors.iter_mut().zip(&visible).for_each(|(f, seen)| *f *= seen);
+            to_carriers.iter_mut().zip(&carriers).for_each(|(f, place)| *f *= seen_by(place));
             let straight: f64 = factors.iter().zip(&columns).map(|(f, place)| f * place.weight).sum();
             let met: f64 = to_carriers.iter().zip(&carriers).map(|(f, place)| f * place.weight).sum();
             let carried: f64 =
@@ -86,14 +88,21 @@ impl Density {
             sums.carried += met;
             // What carriers pass on is taken to land anywhere.
             let anywhere = carried / outlook.patches();
-            for (f, column) in factors.iter().zip(&columns) {
-                let f = f + anywhere;
-                let one_way = f64::from(count.rays) * f;
-                let both = one_way * (1.0 + row.area / column.area);
+            for (k, column) in columns.iter().enumerate() {
+                // Of a pair that sees each other every ray counts, of one that does not none; what carriers pass on comes beside it.
+                let (f, rays) = (factors[k] + anywhere, f64::from(count.rays));
+                let back = 1.0 + row.area / column.area;
+                let chance = |straight: f64, carried: f64| {
+                    1.0 - (1.0 - visible[k] * (1.0 - (-straight).exp())) * (-carried).exp()
+                };
+                let [one_way, around] = [rays * whole[k], rays * anywhere];
                 let [found, entry, bytes] = if column.is_lamp == row.is_lamp {
-                    [1.0 - (-one_way).exp(), 1.0 - (-both).exp(), bytes_of_pair(both, block)]
+                    let bytes = visible[k] * bytes_of_pair(one_way * back, block)
+                        + bytes_of_pair(around * back, block);
+                    [chance(one_way, around), chance(one_way * back, around * back), bytes]
                 } else if f > 0.0 {
-                    [0.5 * found_by_pairs, found_by_pairs, 40.0 * found_by_pairs]
+                    let seen = visible[k] * found_by_pairs;
+                    [0.5 * seen, seen, 40.0 * seen]
                 } else {
                     [0.0; 3]
                 };

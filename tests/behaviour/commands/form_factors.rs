@@ -8,7 +8,8 @@ fn form_factors_among_coloured_mirrors_are_those_of_the_channel_that_is_asked_fo
     scratch.write("cube.obj", CUBE);
     scratch.write("cube.mtl", "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl last\nillum 3\nKs 0.9 0.5 0.1\n");
     let run = |file: &str, more: &str| {
-        let arguments = format!("form-factors cube.obj --by material --patches 100 --rays 512 -o {file} {more}");
+        let arguments =
+            format!("form-factors cube.obj --by material --patches 100 --rays 512 -o {file} {more}");
         let output = radiosity(scratch.folder(), &arguments);
         assert!(output.status.success(), "{more}: {}", text(&output.stderr));
         (text(&output.stderr).to_owned(), fs::read_to_string(scratch.path(file)).expect("a table"))
