@@ -46,15 +46,22 @@ pub struct CarriedLight {
     pub lost: Vec<f64>,
 }
 
+/// Carried light, and what tells its noise.
+pub(super) struct Measured {
+    pub light: CarriedLight,
+    /// By how much more irradiance each eighth of the rays found.
+    pub more: Vec<DMatrix<f64>>,
+}
+
 impl CarriedLight {
-    /// Finds it, and for each eighth of the rays by how much more that found; nothing where nothing carries light.
+    /// Finds it; nothing where nothing carries light.
     pub(super) fn trace(
         tracer: &Tracer,
         patches: &Patches,
         basis: Basis,
         lights: &Lights,
         options: &LightOptions,
-    ) -> Result<Option<(Self, Vec<DMatrix<f64>>)>, Cancelled> {
+    ) -> Result<Option<Measured>, Cancelled> {
         let Some(targets) = Targets::new(tracer, lights) else { return Ok(None) };
         let rays = options.rays.div_ceil(RAYS_PER_SHOT).clamp(1, SEQUENCE_END);
         let senders = lights.len() + usize::from(lights.sky().is_some());
@@ -314,7 +321,7 @@ impl Search<'_> {
     }
 
     /// Makes irradiance of moments: of all parts, and by how much more each found.
-    fn finish(self) -> (CarriedLight, Vec<DMatrix<f64>>) {
+    fn finish(self) -> Measured {
         let values = self.basis.coefficients() * self.channels;
         let mass = Mass::new(self.basis, self.patches.areas());
         let rows = self.basis.coefficients() * self.patches.len();
@@ -327,7 +334,8 @@ impl Search<'_> {
         let mut parts: Vec<DMatrix<f64>> = (0..PARTS).map(of_part).collect();
         let irradiance = parts.iter().fold(DMatrix::zeros(rows, self.channels), |sum, part| sum + part);
         parts.iter_mut().for_each(|part| *part = &*part * PARTS as f64 - &irradiance);
-        (CarriedLight { irradiance, absorbed: self.absorbed, lost: self.lost }, parts)
+        let light = CarriedLight { irradiance, absorbed: self.absorbed, lost: self.lost };
+        Measured { light, more: parts }
     }
 }
 

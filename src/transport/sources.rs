@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::carried_light::CarriedLight;
+use super::carried_light::{CarriedLight, Measured};
 use super::{Mass, Shots, Transport};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
@@ -92,10 +92,12 @@ impl Sources {
             field
         });
         let mut sources = Self { direct: fields.next(), spread: fields.collect(), carried: None, emitted };
-        if let Some((carried, more)) = CarriedLight::trace(tracer, patches, basis, &look.lights, options)? {
-            sources.direct.iter_mut().for_each(|direct| *direct += &carried.irradiance);
+        if let Some(Measured { light, more }) =
+            CarriedLight::trace(tracer, patches, basis, &look.lights, options)?
+        {
+            sources.direct.iter_mut().for_each(|direct| *direct += &light.irradiance);
             sources.spread.iter_mut().zip(more).for_each(|(spread, more)| *spread += more);
-            sources.carried = Some(carried);
+            sources.carried = Some(light);
         }
         Ok(sources)
     }

@@ -198,7 +198,7 @@ enum Sight<'a, 's> {
     /// The solution: the same at every look, so a few samples do where nothing changes.
     Field(Field<'a, 's>, Option<Painted<'a, 's>>),
     /// Light gathered there: random, so every pixel takes all its samples.
-    Gather(Gather<'a, 's>),
+    Gather(Box<Gather<'a, 's>>),
     /// Light paths that start there: random too.
     Path(PathTracer<'a, 's>),
 }
@@ -219,7 +219,9 @@ impl<'a, 's> View<'a, 's> {
         let sight = match options.shading {
             Shading::Flat => field(&|field: &DMatrix<f64>| Field::flat(patches, field)),
             Shading::Smooth => field(&|field: &DMatrix<f64>| Field::smooth(tracer, patches, field)),
-            Shading::Gather => Sight::Gather(Gather::new(tracer, patches, radiance, options.carried)),
+            Shading::Gather => {
+                Sight::Gather(Box::new(Gather::new(tracer, patches, radiance, options.carried)))
+            }
             Shading::Path => Sight::Path(PathTracer::new(tracer)),
         };
         let lens = Lens::new(tracer, camera, options.width, options.height);
