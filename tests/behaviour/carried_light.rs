@@ -353,8 +353,19 @@ fn light_paths_and_photons_find_the_same_on_every_black_patch() {
     for [ours, theirs] in whole {
         assert!((ours / theirs - 1.0).abs() < 4e-3, "{ours} {theirs}");
     }
-    // It matters: without what carriers bring the inside of the room would be much darker.
+    // Where most comes by way of carriers, too.
     let brought = &sources.carried.as_ref().unwrap().irradiance;
+    for c in 0..2 {
+        let dim = (0..patches.len()).filter(|&i| brought[(i, c)] > 0.5 * found[(i, c)]);
+        let (mut ours, mut theirs) = (0.0, 0.0);
+        for i in dim {
+            ours += patches.area(i) * found[(i, c)];
+            theirs += patches.area(i) * traced.irradiance(i, c).mean;
+        }
+        assert!(ours > 0.01 * whole[c][0], "{ours} of {}", whole[c][0]);
+        assert!((ours / theirs - 1.0).abs() < 0.01, "{ours} {theirs}");
+    }
+    // It matters: without what carriers bring the inside of the room would be much darker.
     assert!(brought.sum() > 0.02 * found.sum(), "{} {}", brought.sum(), found.sum());
 }
 
