@@ -155,6 +155,67 @@ what the diffuse faces absorb and what the metals absorb add up to that.",
     }
 }
 
+pub fn sun_catcher() -> Scene {
+    let mut m = Mesh::default();
+    let (low, high) = ([0.0; 3], [4.5, 2.8, 4.0]);
+    let window = inside([0.0, 0.9, 1.0], [0.0, 2.4, 3.0], Left);
+    let plinth = [[1.2, 0.5, 1.6], [0.6, 0.5, 1.6], [0.6, 0.5, 2.2], [1.2, 0.5, 2.2]];
+    m.paint("window_wall", "plaster").surround(inside(low, high, Left), window);
+    m.paint("floor", "oak").room(low, high, &[Bottom]);
+    m.paint("ceiling", "plaster").room(low, high, &[Top]);
+    m.paint("walls", "plaster").room(low, high, &[Back, Front]);
+    m.paint("far_wall", "teal").room(low, high, &[Right]);
+    m.paint("plinth", "walnut").block(plinth);
+    m.paint("mirror", "mirror").room([0.6, 0.52, 1.6], [1.2, 1.0, 2.2], &[Bottom]);
+    m.paint("ball", "glass");
+    ball(&mut m, [1.3, 0.31, 2.95], 0.3, 4);
+
+    Scene {
+        name: "sun_catcher",
+        notes: "\
+A room, 4.5 x 2.8 x 4 m, with an open window in the wall x = 0, under the sun and a clear sky. A
+mirror that lies on a plinth throws the sun at the ceiling, and a ball of glass gathers it on
+the floor.
+
+Known: the sun's middle sends light along (0.45, -0.6, 0.15), the mirror, 0.6 m x 0.6 m, lies at
+y = 0.52 and is lit all over, and the ceiling is 2.28 m above it: so its picture there is
+moved by 1.71 m along x and 0.57 m along z, from (2.31, 2.17) to (2.91, 2.77), and has 0.95 of
+the irradiance of level ground.",
+        materials: vec![
+            Material::matt("plaster", [0.78, 0.76, 0.72]),
+            Material::matt("oak", [0.46, 0.33, 0.22]),
+            Material::matt("teal", [0.10, 0.36, 0.40]),
+            Material::matt("walnut", [0.30, 0.19, 0.12]),
+            Material::mirror("mirror", 0.95),
+            Material::glass("glass", 1.5),
+        ],
+        mesh: m,
+        lights: "
+[[light]]
+kind = \"sun\"
+direction = [0.45, -0.6, 0.15] # the way its light travels
+diameter = 0.533 # degrees
+illuminance = 50000 # lx, of what faces it
+colour = [1.0, 0.93, 0.82]
+
+[sky]
+kind = \"clear\"
+sun = [-0.45, 0.6, -0.15]
+illuminance = 12000 # lx, of open level ground by the sky alone
+colour = [0.75, 0.9, 1.25]
+ground = 0.2
+",
+        camera: Camera {
+            about: "From the far corner, low, towards the window.",
+            position: [4.2, 1.3, 0.6],
+            target: [1.4, 1.2, 2.4],
+            fov: 72.0,
+        },
+        area: box_area(4.5, 2.8, 4.0) - 1.5 * 2.0 + block_area(plinth) + 0.36 + 4.0 * PI * 0.3_f64.powi(2),
+        tolerance: 1e-3,
+    }
+}
+
 /// A ball seen from outside: an icosahedron with every triangle cut in four, `cuts` times, blown up to the sphere.
 fn ball(m: &mut Mesh, centre: Point, radius: f64, cuts: u32) {
     let mut unit = Mesh::default();

@@ -39,6 +39,7 @@ fn main() -> io::Result<ExitCode> {
         carriers::mirror_room(),
         carriers::glass_balls(),
         carriers::glossy_floor(),
+        carriers::sun_catcher(),
         lit::daylit_room(),
         lit::spot_gallery(),
         textured::textured_room(),

@@ -261,7 +261,8 @@ impl<'s> Search<'_, 's> {
     ) -> Result<Answer<'s>, MeasureError> {
         let progress = self.trace.progress;
         let k = Transport::of(&factors, &patches)?;
-        let light = LightOptions { rays: factors.rays(), seed: self.trace.seed, progress };
+        let (seed, caustics) = (self.trace.seed, self.trace.caustics);
+        let light = LightOptions { rays: factors.rays(), seed, caustics, progress };
         let sources = Sources::trace(self.tracer, &patches, factors.basis(), &light)?;
         let solution = conjugate_gradients(
             &k,

@@ -10,13 +10,13 @@ use crate::transport::{Sources, Transport};
 /// Radiant flux Φ by where it comes from and goes to, per channel, W; every term computed on its own.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Energy {
-    /// π Σ A Lₑ, and Σ A H₀, what lights without area deliver.
+    /// π Σ A Lₑ, and what lights without area send to surfaces: Σ A H₀, and what carriers keep of it on its way.
     pub emitted: Vec<f64>,
     /// Σ (1 − ρ) A H with H recomputed from L.
     pub absorbed: Vec<f64>,
     /// π Σ A L F_i∞, what leaves the scene.
     pub escaped: Vec<f64>,
-    /// What mirrors and glass absorb, π Σ A L times the share that ends there.
+    /// What mirrors and glass absorb: π Σ A L times the share that ends there, and of what lights without area send to surfaces by way of them.
     pub carriers: Vec<f64>,
     /// What paths lose that are cut short.
     pub lost: Vec<f64>,
@@ -44,17 +44,18 @@ impl Energy {
         let of = |values: &DMatrix<f64>| -> Vec<f64> {
             values.column_iter().map(|column| unit * mass.sums().dot(&column)).collect()
         };
-        let lost = of(&direct.component_mul(k.reflectance()));
+        let reflected = of(&direct.component_mul(k.reflectance()));
         let arrived = of(direct);
+        let [carriers, given_up] = kept(sources, k.channels(), unit);
         let emitted: Vec<f64> = sources.flux(mass).into_iter().map(|flux| unit * flux).collect();
-        let rest = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
+        let of_channels = |of: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..k.channels()).map(of).collect() };
         Self {
-            absorbed: rest(&arrived, &lost),
-            escaped: rest(&emitted, &arrived),
-            carriers: vec![0.0; emitted.len()],
+            absorbed: of_channels(&|c| arrived[c] - reflected[c]),
+            escaped: of_channels(&|c| emitted[c] - arrived[c] - carriers[c] - given_up[c]),
+            lost: of_channels(&|c| reflected[c] + given_up[c]),
+            carriers,
             imbalance: 0.0,
             emitted,
-            lost,
         }
     }
 
@@ -75,13 +76,26 @@ impl Energy {
         let emitted: Vec<f64> = sources.flux(k.mass()).into_iter().map(|flux| unit * flux).collect();
         let absorbed = weigh(&|i, c| (1.0 - k.reflectance()[(i, c)]) * area[i] * irradiance[(i, c)]);
         let escaped = weigh(&|i, c| PI * k.exchange_of(c).escape(i) * l[(i, c)]);
-        let carriers = weigh(&|i, c| PI * k.exchange_of(c).absorbed(i) * l[(i, c)]);
-        let lost = weigh(&|i, c| PI * k.exchange_of(c).lost(i) * l[(i, c)]);
+        let mut carriers = weigh(&|i, c| PI * k.exchange_of(c).absorbed(i) * l[(i, c)]);
+        let mut lost = weigh(&|i, c| PI * k.exchange_of(c).lost(i) * l[(i, c)]);
+        for (sum, kept) in [&mut carriers, &mut lost].into_iter().zip(kept(sources, channels, unit)) {
+            sum.iter_mut().zip(kept).for_each(|(sum, kept)| *sum += kept);
+        }
         let off = |c: usize| match emitted[c] {
             0.0 => 0.0,
             emitted => ((emitted - absorbed[c] - escaped[c] - carriers[c] - lost[c]) / emitted).abs(),
         };
         let imbalance = (0..channels).map(off).fold(0.0, f64::max);
         Self { emitted, absorbed, escaped, carriers, lost, imbalance }
+    }
+}
+
+/// What carriers absorb, and what is given up, on the way from lights without area; per channel.
+fn kept(sources: &Sources, channels: usize, unit: f64) -> [Vec<f64>; 2] {
+    match &sources.carried {
+        Some(carried) => {
+            [&carried.absorbed, &carried.lost].map(|flux| flux.iter().map(|flux| unit * flux).collect())
+        }
+        None => [vec![0.0; channels], vec![0.0; channels]],
     }
 }

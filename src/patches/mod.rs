@@ -10,6 +10,7 @@
 
 mod aggregate;
 mod basis;
+mod carried;
 mod clusters;
 mod contacts;
 mod groups;
@@ -34,7 +35,7 @@ pub use aggregate::FaceRow;
 pub use basis::Basis;
 pub use clusters::Clusters;
 pub use groups::{Group, GroupBy, Groups};
-pub use outlook::Outlook;
+pub use outlook::{Outlook, Stretch};
 use parts::{Parting, Parts};
 pub use sides::Reach;
 use size::edge_for;

@@ -7,7 +7,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::parts::Parting;
+use super::parts::{Part, Parting};
+use super::subdivide::cells_for;
 use super::{PatchSize, edge_for};
 use crate::scene::{Feature, Side};
 use crate::trace::Tracer;
@@ -17,10 +18,23 @@ use crate::trace::Tracer;
 pub struct Outlook {
     /// Per face and side, front first: how many patches.
     pub patches_of: Vec<[f64; 2]>,
+    /// The triangles into which contacts part the faces that have patches, in order of faces: each is cut evenly.
+    pub stretches: Vec<Stretch>,
     /// Per face and side: 1 for mirrors and glass, which have no patches.
     pub carriers: Vec<[f64; 2]>,
     /// Cells of all faces, both sides counted: where light is looked for.
     pub slots: f64,
+}
+
+/// A part of a face that is cut into patches of one size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// The face.
+    pub face: usize,
+    /// Its corners, normalised frame.
+    pub corners: [DVec3; 3],
+    /// How many patches either side has, if light reaches it.
+    pub cells: f64,
 }
 
 impl Outlook {
@@ -33,15 +47,23 @@ impl Outlook {
             PatchSize::Count(count) => edge_for(tracer, count.max(1), &mut parting, |face| sides[face]).0,
         };
         let parts = parting.at(edge);
-        let cells = |face: usize| match tracer.scene().is_diffuse(face) {
-            true => parts.cells(face, tracer.corners(face), edge) as f64,
-            false => 0.0,
-        };
-        let cells: Vec<f64> = (0..sides.len()).map(cells).collect();
+        let mut stretches = Vec::new();
+        for face in (0..sides.len()).filter(|&face| tracer.scene().is_diffuse(face)) {
+            let whole = [Part::whole(tracer.corners(face))];
+            let parts = parts.of(face, edge).unwrap_or(&whole);
+            stretches.extend(parts.iter().map(|part| Stretch {
+                face,
+                corners: part.corners,
+                cells: cells_for(&part.corners, edge) as f64,
+            }));
+        }
+        let mut cells = vec![0.0; sides.len()];
+        stretches.iter().for_each(|stretch| cells[stretch.face] += stretch.cells);
         let patches_of = sides.iter().zip(&cells).map(|(sides, cells)| sides.map(|side| side * cells));
         let carriers = (0..sides.len()).map(|face| [f64::from(u8::from(tracer.is_carrier(face as u32))); 2]);
         Self {
             patches_of: patches_of.collect(),
+            stretches,
             carriers: carriers.collect(),
             slots: 2.0 * cells.iter().sum::<f64>(),
         }

@@ -192,7 +192,9 @@ impl Patches<'_> {
                 arrived.iter().any(|&x| x > 0.0)
             })
         };
-        (0..self.slots() as u32).into_par_iter().map(is_lit).collect()
+        let mut lit: Vec<bool> = (0..self.slots() as u32).into_par_iter().map(is_lit).collect();
+        self.shine_by_carriers(tracer, &lights, seed, &mut lit);
+        lit
     }
 
     /// Whether a slot may become a patch: backs may not where they are left out.

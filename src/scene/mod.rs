@@ -315,7 +315,6 @@ impl Scene {
             texture_coordinates = Vec::new();
         }
         glass::warn_of_missing_insides(&faces, &vertices, &materials, &mut warnings);
-        warn_of_shadows(&lights, sky.as_ref(), &materials, &mut warnings);
         Ok(Self {
             name,
             vertices,
@@ -478,17 +477,4 @@ fn check_lights(lights: &[Light], sky: Option<&Sky>, channels: usize) -> Result<
     }
     let error = |message| SceneError::Light { light: "sky".into(), message };
     sky.map_or(Ok(()), |sky| sky.check(channels).map_err(error))
-}
-
-/// Says so where mirrors, metals and glass stand in the way of lights that they should pass on.
-fn warn_of_shadows(lights: &[Light], sky: Option<&Sky>, materials: &[Material], warnings: &mut Vec<String>) {
-    let casts = |surface: &Surface| surface.is_carrier() && !matches!(surface, Surface::Pane { .. });
-    let mut carriers = materials.iter().filter(|material| casts(&material.surface)).peekable();
-    if carriers.peek().is_some() && (sky.is_some() || !lights.is_empty()) {
-        let names: Vec<&str> = carriers.map(|material| material.name.as_str()).collect();
-        warnings.push(format!(
-            "lights without area and the sky do not shine through or off these yet, which cast shadows: {}",
-            names.join(", ")
-        ));
-    }
 }

@@ -84,7 +84,7 @@ fn accumulate(weights: impl Iterator<Item = f64>, sums: &mut Vec<f64>) -> f64 {
 
 /// Which of cumulative chances a random number falls on, and what is left of it, as good as new.
 #[inline]
-fn pick(cumulative: &[f64], random: f64) -> (usize, f64) {
+pub(super) fn pick(cumulative: &[f64], random: f64) -> (usize, f64) {
     let k = cumulative.partition_point(|&upper| upper <= random).min(cumulative.len() - 1);
     let lower = if k == 0 { 0.0 } else { cumulative[k - 1] };
     let share = cumulative[k] - lower;

@@ -26,8 +26,9 @@ struct Source {
     power: Vec<f64>,
 }
 
+/// Where a light is.
 #[derive(Clone, Copy, Debug)]
-enum Place {
+pub(super) enum Place {
     /// Here.
     At(DVec3),
     /// Infinitely far in this direction, within a disc whose radius has this sine.
@@ -89,6 +90,12 @@ impl Lights {
     /// Irradiance that a light causes at unit density and share, per channel.
     pub fn power(&self, light: usize) -> &[f64] {
         &self.lamps[light].power
+    }
+
+    /// A light, and where it is in the normalised frame.
+    pub(super) fn light(&self, light: usize) -> (&Light, Place) {
+        let source = &self.lamps[light];
+        (&source.light, source.place)
     }
 
     /// A beam from a light to a point, by two random numbers.

@@ -15,6 +15,7 @@ mod lamps;
 mod lights;
 pub mod sampling;
 mod scatter;
+mod shots;
 mod sky;
 mod triangle;
 
@@ -27,6 +28,7 @@ use gloss::Gloss;
 pub use lamps::{LampPoint, LampView, Lamps, form_factor_to_triangle, geometry_term};
 pub use lights::{Beam, Lights, solid_angle};
 pub use scatter::{Destination, Glossy, Scattered, Tint, fresnel};
+pub use shots::{Shot, SkyShot, Targets};
 pub use sky::{SkyBeam, SkySampler};
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.

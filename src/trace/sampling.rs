@@ -65,6 +65,31 @@ pub fn uniform_triangle([u, v]: [f64; 2]) -> [f64; 2] {
     if u < v { [0.5 * u, v - 0.5 * u] } else { [u - 0.5 * v, 0.5 * v] }
 }
 
+/// A direction within a spherical triangle, uniform, given by the unit vectors of its corners (Arvo 1995): its density is the inverse of the solid
+/// angle α + β + γ − π.
+#[inline]
+pub fn uniform_spherical_triangle([a, b, c]: [DVec3; 3], [u, v]: [f64; 2]) -> DVec3 {
+    // Take the angles at the corners.
+    let across = |p: DVec3, q: DVec3| p.cross(q).normalize_or_zero();
+    let [ab, bc, ca] = [across(a, b), across(b, c), across(c, a)];
+    let [alpha, beta, gamma] = [ab.angle_between(-ca), bc.angle_between(-ab), ca.angle_between(-bc)];
+    let area = alpha + beta + gamma - PI;
+    // Move the third corner along its side to a, so that a share u of the area is left.
+    let (sine, cosine) = (u * area - alpha).sin_cos();
+    let (x, y) = (cosine - alpha.cos(), sine + alpha.sin() * a.dot(b));
+    let q = ((y * cosine - x * sine) * alpha.cos() - y) / ((y * sine + x * cosine) * alpha.sin());
+    let third = towards(a, c, q.clamp(-1.0, 1.0));
+    // Choose a point between it and b.
+    towards(b, third, 1.0 - v * (1.0 - third.dot(b)))
+}
+
+/// The unit vector on the great circle from one to another, at this cosine from the first.
+#[inline]
+fn towards(from: DVec3, to: DVec3, cosine: f64) -> DVec3 {
+    let across = (to - from * to.dot(from)).normalize_or_zero();
+    from * cosine + across * (1.0 - cosine * cosine).max(0.0).sqrt()
+}
+
 /// A point of the unit disc, uniform (Shirley & Chiu 1997).
 #[inline]
 pub fn uniform_disc(square: [f64; 2]) -> [f64; 2] {
@@ -165,6 +190,42 @@ mod tests {
         }
         for (m, exact) in moments.iter().zip([1.0 / 3.0, 1.0 / 3.0, 1.0 / 12.0]) {
             assert!((m - exact).abs() < 1e-4, "{moments:?}");
+        }
+    }
+
+    #[test]
+    fn uniform_spherical_triangle_is_uniform_in_solid_angle() {
+        let triangles = [
+            [DVec3::X, DVec3::Y, DVec3::Z],
+            [DVec3::new(1.0, 0.2, 0.1), DVec3::new(-0.3, 1.0, 0.4), DVec3::new(0.1, -0.8, 0.9)],
+            [DVec3::new(1.0, 0.0, 0.0), DVec3::new(1.0, 0.02, 0.0), DVec3::new(1.0, 0.01, 0.004)],
+        ];
+        for corners in triangles {
+            let n = 1 << 14;
+            let [a, b, c] = corners;
+            let normal = (b - a).cross(c - a);
+            // The plane triangle by the midpoint rule: dω = cos θ/r² dA.
+            let (mut exact, mut whole) = ([0.0; 4], 0.0);
+            let steps = 300;
+            let tests = |d: DVec3| [d.x, d.y, d.z, d.x * d.y];
+            for k in 0..steps * steps {
+                let [u, v] = [k / steps, k % steps].map(|k| (f64::from(k) + 0.5) / f64::from(steps));
+                let [s, t] = uniform_triangle([u, v]);
+                let p = a + (b - a) * s + (c - a) * t;
+                let solid = normal.dot(p).abs() / p.length().powi(3);
+                whole += solid;
+                exact.iter_mut().zip(tests(p.normalize())).for_each(|(sum, f)| *sum += f * solid);
+            }
+            let mut mean = [0.0; 4];
+            for k in 0..n {
+                let [u, v, ..] = Sequence::new(7, 2, 0).point(k);
+                let d = uniform_spherical_triangle(corners.map(DVec3::normalize), [u, v]);
+                assert!((d.length() - 1.0).abs() < 1e-12);
+                mean.iter_mut().zip(tests(d)).for_each(|(m, f)| *m += f / f64::from(n));
+            }
+            for (m, e) in mean.iter().zip(exact) {
+                assert!((m - e / whole).abs() < 3e-4, "{corners:?} {mean:?} {exact:?} {whole}");
+            }
         }
     }
 

@@ -225,6 +225,15 @@ impl<'s> Tracer<'s> {
         false
     }
 
+    /// Whether a ray that meets a carrier at `hit` goes straight on through it: thin glass lets it do so, as [`Tracer::passes`] knows.
+    #[inline]
+    pub fn goes_straight(&self, before: &Ray, hit: &Hit, after: &Ray) -> bool {
+        let face = hit.face as usize;
+        let normal = self.normal(face, hit.side);
+        let is_pane = matches!(self.scene.material_of(face).surface, Surface::Pane { .. });
+        is_pane && before.direction.dot(normal) * after.direction.dot(normal) > 0.0
+    }
+
     /// Follows a ray, by one way at every carrier, until it meets a diffuse surface or ends elsewhere.
     ///
     /// `numbers(k)` gives random numbers, k counting from 0: four for every carrier, and sometimes four more. `survives(colour, chance)` decides, by
@@ -239,16 +248,20 @@ impl<'s> Tracer<'s> {
         match self.closest_hit(ray) {
             None => Destination::Away(*ray),
             Some(hit) if !self.is_carrier(hit.face) => Destination::Diffuse { hit, carried: false },
-            Some(hit) => self.carried(ray, hit, numbers, survives),
+            Some(hit) => self.follow(ray, hit, numbers, survives, |_, _, _| {}),
         }
     }
 
-    fn carried(
+    /// Follows a ray on from the carrier that it meets at `hit`, as [`Tracer::destination`] does; calls `met(before, hit, after)` with the
+    /// ray before and after each carrier.
+    #[inline]
+    pub fn follow(
         &self,
         ray: &Ray,
         mut hit: Hit,
         mut numbers: impl FnMut(u32) -> [f64; 4],
         mut survives: impl FnMut(Tint, f64) -> bool,
+        mut met: impl FnMut(&Ray, &Hit, &Ray),
     ) -> Destination {
         let mut ray = *ray;
         let mut taken = 0;
@@ -262,6 +275,7 @@ impl<'s> Tracer<'s> {
             if scattered.colour.is_some_and(|colour| !survives(colour, life)) {
                 return Destination::Absorbed;
             }
+            met(&ray, &hit, &scattered.ray);
             ray = scattered.ray;
             match self.closest_hit(&ray) {
                 None => return Destination::Away(ray),

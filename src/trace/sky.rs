@@ -80,6 +80,13 @@ impl SkySampler {
         self.shares.from(towards)
     }
 
+    /// What comes from a direction: its share of the zenith's radiance and its tint, as a beam of this weight.
+    #[inline]
+    pub fn from(&self, direction: DVec3) -> SkyBeam {
+        let (weight, tint) = self.shares.tinted(direction);
+        SkyBeam { direction, weight, tint }
+    }
+
     /// A direction above a surface with this normal, and what it brings where nothing hides it.
     ///
     /// One half of the directions is drawn by the cosine, the other by the sky's brightness; the density is the mean of both.

@@ -2,13 +2,13 @@
 //!
 //! Between patches i and j some N (F_ij + F_ji) rays go, so that an entry is there with probability 1 − exp(−N (F_ij + F_ji)).
 //! F is taken from pairs of random points as cos θ cos θ′ A_j / (π r² + A_j). What stands in between is not looked at; but where a row
-//! sums to more than 1, some of it must hide the rest, and form factors are taken to fade with distance as exp(−κr), κ such that it
-//! sums to 1. The number of entries comes out within a tenth where nothing hides anything, and within a third in furnished rooms.
+//! sums to more than 1, some of it must hide the rest, and pairs are taken to see each other with a chance that fades with distance as exp(−κr), κ such
+//! that it sums to 1. The number of entries comes out within a tenth where nothing hides anything, and within a third in furnished rooms.
 
 use glam::DVec3;
 
 use super::recipe::RayCount;
-use crate::patches::Outlook;
+use crate::patches::{Outlook, Stretch};
 use crate::scene::Side;
 use crate::trace::sampling::{Sequence, uniform_triangle};
 use crate::trace::{Lamps, Tracer};
@@ -56,8 +56,10 @@ struct Place {
 impl Density {
     /// Looks at pairs of points; `block` is the number of rays from which on a pair of linear elements is kept as a block.
     pub fn new(tracer: &Tracer, outlook: &Outlook, lamps: &Lamps, count: RayCount, block: usize) -> Self {
-        let places = Places::new(tracer, &outlook.patches_of, lamps);
-        let carriers = Places::new(tracer, &outlook.carriers, lamps);
+        let places = Places::new(tracer, &outlook.patches_of, lamps, outlook.stretches.iter().copied());
+        let whole = |face: usize| Stretch { face, corners: *tracer.corners(face), cells: 1.0 };
+        let faces = (0..outlook.carriers.len()).map(whole);
+        let carriers = Places::new(tracer, &outlook.carriers, lamps, faces);
         let rows = places.draw(ROWS, ROW_STREAM, [1.0, 0.0]);
         let columns = places.draw(COLUMNS, COLUMN_STREAM, [0.5; 2]);
         let carriers = carriers.draw(CARRIERS, CARRIER_STREAM, [0.0, 1.0]);
@@ -73,9 +75,11 @@ impl Density {
             let parts: Vec<[f64; 2]> =
                 all.map(|(f, place)| [f * place.weight, place.point.distance(row.point)]).collect();
             let fade = fading(&parts);
-            let faded =
-                |(f, place): (&mut f64, &Place)| *f *= (-fade * place.point.distance(row.point)).exp();
-            factors.iter_mut().chain(&mut to_carriers).zip(seen()).for_each(faded);
+            let seen_by = |place: &Place| (-fade * place.point.distance(row.point)).exp();
+            let visible: Vec<f64> = columns.iter().map(seen_by).collect();
+            let whole = factors.clone();
+            factors.iter_mut().zip(&visible).for_each(|(f, seen)| *f *= seen);
+            to_carriers.iter_mut().zip(&carriers).for_each(|(f, place)| *f *= seen_by(place));
             let straight: f64 = factors.iter().zip(&columns).map(|(f, place)| f * place.weight).sum();
             let met: f64 = to_carriers.iter().zip(&carriers).map(|(f, place)| f * place.weight).sum();
             let carried: f64 =
@@ -84,14 +88,21 @@ impl Density {
             sums.carried += met;
             // What carriers pass on is taken to land anywhere.
             let anywhere = carried / outlook.patches();
-            for (f, column) in factors.iter().zip(&columns) {
-                let f = f + anywhere;
-                let one_way = f64::from(count.rays) * f;
-                let both = one_way * (1.0 + row.area / column.area);
+            for (k, column) in columns.iter().enumerate() {
+                // Of a pair that sees each other every ray counts, of one that does not none; what carriers pass on comes beside it.
+                let (f, rays) = (factors[k] + anywhere, f64::from(count.rays));
+                let back = 1.0 + row.area / column.area;
+                let chance = |straight: f64, carried: f64| {
+                    1.0 - (1.0 - visible[k] * (1.0 - (-straight).exp())) * (-carried).exp()
+                };
+                let [one_way, around] = [rays * whole[k], rays * anywhere];
                 let [found, entry, bytes] = if column.is_lamp == row.is_lamp {
-                    [1.0 - (-one_way).exp(), 1.0 - (-both).exp(), bytes_of_pair(both, block)]
+                    let bytes = visible[k] * bytes_of_pair(one_way * back, block)
+                        + bytes_of_pair(around * back, block);
+                    [chance(one_way, around), chance(one_way * back, around * back), bytes]
                 } else if f > 0.0 {
-                    [0.5 * found_by_pairs, found_by_pairs, 40.0 * found_by_pairs]
+                    let seen = visible[k] * found_by_pairs;
+                    [0.5 * seen, seen, 40.0 * seen]
                 } else {
                     [0.0; 3]
                 };
@@ -150,44 +161,42 @@ fn form_factor(from: &Place, to: &Place) -> f64 {
     here * there / squared * to.area / (std::f64::consts::PI * squared + to.area)
 }
 
-/// All sides of faces that have patches, to draw places from.
+fn area([a, b, c]: &[DVec3; 3]) -> f64 {
+    0.5 * (b - a).cross(c - a).length()
+}
+
+/// All stretches of sides that have patches, to draw places from.
 struct Places<'a, 's> {
     tracer: &'a Tracer<'s>,
-    /// Per face and side.
-    counts: &'a [[f64; 2]],
     is_lamp: Vec<bool>,
-    sides: Vec<(usize, Side)>,
+    sides: Vec<(Stretch, Side)>,
     /// Cumulative numbers of patches, and areas, per entry of `sides`.
     by: [Vec<f64>; 2],
 }
 
 impl<'a, 's> Places<'a, 's> {
-    fn new(tracer: &'a Tracer<'s>, counts: &'a [[f64; 2]], lamps: &Lamps) -> Self {
+    /// Those of `stretches` that have patches by `counts`, per face and side.
+    fn new(
+        tracer: &'a Tracer<'s>,
+        counts: &[[f64; 2]],
+        lamps: &Lamps,
+        stretches: impl Iterator<Item = Stretch>,
+    ) -> Self {
         let mut is_lamp = vec![false; counts.len()];
         lamps.faces().for_each(|face| is_lamp[face as usize] = true);
-        let mut places = Self { tracer, counts, is_lamp, sides: Vec::new(), by: [Vec::new(), Vec::new()] };
+        let mut places = Self { tracer, is_lamp, sides: Vec::new(), by: [Vec::new(), Vec::new()] };
         let mut sums = [0.0; 2];
-        for face in 0..counts.len() {
-            for side in Side::BOTH {
-                let count = places.count(face, side);
+        for stretch in stretches {
+            for (side, count) in Side::BOTH.into_iter().zip(counts[stretch.face]) {
                 if count > 0.0 {
-                    sums[0] += count;
-                    sums[1] += places.area(face);
-                    places.sides.push((face, side));
+                    sums[0] += stretch.cells;
+                    sums[1] += area(&stretch.corners);
+                    places.sides.push((stretch, side));
                     places.by.iter_mut().zip(sums).for_each(|(by, sum)| by.push(sum));
                 }
             }
         }
         places
-    }
-
-    fn count(&self, face: usize, side: Side) -> f64 {
-        self.counts[face][usize::from(side == Side::Back)]
-    }
-
-    fn area(&self, face: usize) -> f64 {
-        let [a, b, c] = *self.tracer.corners(face);
-        0.5 * (b - a).cross(c - a).length()
     }
 
     /// Draws places, these parts of them by number of patches and by area.
@@ -199,10 +208,10 @@ impl<'a, 's> Places<'a, 's> {
             let kind = usize::from(k >= split);
             let goal = which * totals[kind];
             let at = self.by[kind].partition_point(|&sum| sum <= goal).min(self.sides.len() - 1);
-            let (face, side) = self.sides[at];
-            let [a, b, c] = *self.tracer.corners(face);
+            let (Stretch { face, corners, cells: count }, side) = self.sides[at];
+            let [a, b, c] = corners;
             let [u, v] = uniform_triangle([s, t]);
-            let (count, area) = (self.count(face, side), self.area(face));
+            let area = area(&corners);
             // Density of this very patch among all draws.
             let density = parts[0] / totals[0] + parts[1] * area / count / totals[1];
             let material = self.tracer.scene().material_of(face);

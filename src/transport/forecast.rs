@@ -180,7 +180,7 @@ impl Forecast {
         let lamp_columns = cost(pairs, shared(pairs * shadow_ray), 0.0);
         let has_caustics = work.trace.caustics == Shots::Shot && tracer.has_carriers() && !lamps.is_empty();
         let shots = if has_caustics { rays / 4.0 } else { 0.0 };
-        let caustics = cost(shots, shared(shots * ray * (1.0 + density.carried * CARRIERS_MET)), 0.0);
+        let lamp_shots = cost(shots, shared(shots * ray * (1.0 + density.carried * CARRIERS_MET)), 0.0);
 
         // The matrix, and products with it.
         let matrix = match (interreflects, is_exact) {
@@ -220,6 +220,16 @@ impl Forecast {
         let to_sky = if scene.sky().is_some() { patches * look } else { 0.0 };
         let lights = cost(to_lights, shared(to_lights * shadow_ray), 0.0);
         let sky = cost(to_sky, shared(to_sky * shadow_ray), 0.0);
+        // By way of carriers: shots for all patches, and as many rays of theirs into a sky.
+        let throws = tracer.has_carriers() && to_lights + to_sky > 0.0;
+        let thrown = |kind: bool| if throws && kind { patches * (look / 4.0).ceil() } else { 0.0 };
+        let (shots, looks) = (thrown(work.light.caustics == Shots::Shot), thrown(scene.sky().is_some()));
+        let carried_light = cost(
+            shots + looks,
+            shared(ray * (shots * (1.0 + CARRIERS_MET) + looks * (1.0 + density.carried * CARRIERS_MET))),
+            9.0 * vector * f64::from(u8::from(throws)),
+        );
+        let caustics = sum(&[lamp_shots, carried_light]);
         let points: f64 = scene.receivers().iter().map(|receiver| receiver.len() as f64).sum();
         let receivers = cost(points * look, shared(points * look * ray), 0.0);
         let seen = work.pixels as f64 * PIXEL_RAYS * (1.0 + density.carried * PIXEL_CARRIED);
@@ -229,12 +239,14 @@ impl Forecast {
         let [traced, looked] =
             if interreflects { [lamp_columns, Cost::default()] } else { [Cost::default(), lamp_columns] };
         let straight = sum(&[lights, sky, looked]);
-        let light = Cost { bytes: if straight.rays > 0 { vector as u64 } else { 0 }, ..straight };
+        let held = if straight.rays > 0 { vector as u64 } else { 0 };
+        let straight = Cost { bytes: held, ..straight };
+        let light = sum(&[straight, carried_light]);
         let all = [
             ("load", cost(0.0, 1e-9 * faces as f64 * FACE_READ, 0.0)),
             ("build", cost(0.0, 1e-9 * faces as f64 * FACE_BUILT, 0.0)),
             ("patch", cost(around, shared(around * ray), outlook.slots * 40.0)),
-            ("trace", sum(&[rows, carriers, traced, caustics])),
+            ("trace", sum(&[rows, carriers, traced, lamp_shots])),
             ("balance", balance),
             ("light", light),
             ("factor", factor),

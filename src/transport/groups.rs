@@ -45,13 +45,30 @@ impl FormFactors {
         group_of: &[usize],
         progress: Progress,
     ) -> Result<Vec<GroupFactor>, TransportError> {
+        self.between_groups_in(0, patches, group_of, progress)
+    }
+
+    /// The same in another channel.
+    ///
+    /// # Errors
+    /// `Cancelled`; `NoRays` unless the rays were kept.
+    ///
+    /// # Panics
+    /// If there is not one group per patch.
+    pub fn between_groups_in(
+        &self,
+        channel: usize,
+        patches: &Patches,
+        group_of: &[usize],
+        progress: Progress,
+    ) -> Result<Vec<GroupFactor>, TransportError> {
         assert_eq!(group_of.len(), self.len(), "one group per patch");
         let rows = self.rows().ok_or(TransportError::NoRays)?;
         // A coefficient belongs where its patch does.
         let each = self.basis().coefficients();
         let group_of: Vec<usize> =
             group_of.iter().flat_map(|&group| std::iter::repeat_n(group, each)).collect();
-        let all = sums(self.exchange(), &group_of);
+        let all = sums(self.exchange_of(channel), &group_of);
         let mut without: Vec<Sums> = Vec::new();
         for batch in 0..BATCHES {
             progress.at("errors", batch as f64 / BATCHES as f64)?;
@@ -59,7 +76,8 @@ impl FormFactors {
                 "dense" => StorageKind::Dense,
                 _ => StorageKind::Sparse,
             };
-            let exchange = Exchange::from_rows(rows, (patches, 0), kind, Some(batch), Progress::default())?;
+            let of = (patches, self.tone_of(channel));
+            let exchange = Exchange::from_rows(rows, of, kind, Some(batch), Progress::default())?;
             without.push(sums(&exchange, &group_of));
         }
         progress.at("errors", 1.0)?;

@@ -7,7 +7,9 @@
 mod assembly;
 mod balance;
 mod blocks;
+mod carried_light;
 mod caustics;
+mod crossings;
 mod density;
 mod direct_light;
 mod exchange;
@@ -39,6 +41,7 @@ mod tones;
 
 pub use balance::Closure;
 pub use blocks::Blocks;
+pub use carried_light::CarriedLight;
 pub use exchange::Exchange;
 pub(crate) use forecast::is_quickly_factored;
 pub use forecast::{Cost, Forecast, Solving, StageCost, Work};

@@ -61,6 +61,26 @@ fn receivers(scene: &Scene) -> Effect {
     Effect::new("receivers", !names.is_empty(), reason)
 }
 
+/// Light that is shot at what passes it on.
+fn caustics(scene: &Scene, used: &[&Material]) -> Effect {
+    if !used.iter().any(|m| m.surface.is_carrier()) {
+        return Effect::new("caustics", false, "no mirror, metal or glass");
+    }
+    let senders = [
+        (used.iter().any(|m| m.emits()), "lamps"),
+        (scene.lights().next().is_some(), "lights without area"),
+        (scene.sky().is_some(), "the sky"),
+    ];
+    let names: Vec<&str> = senders.into_iter().filter(|(sends, _)| *sends).map(|(_, name)| name).collect();
+    match names.as_slice() {
+        [] => Effect::new("caustics", false, "no lamp, no light without area and no sky"),
+        names => {
+            let names = names.join(" and ");
+            Effect::new("caustics", true, format!("light shot from {names} at mirrors, metals and glass"))
+        }
+    }
+}
+
 /// What a run simulates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
@@ -97,14 +117,7 @@ impl Plan {
             let reason = if names.is_empty() { format!("no {what}") } else { names.join(", ") };
             Effect::new(effect, !names.is_empty(), reason)
         };
-        let carriers = used.iter().any(|m| m.surface.is_carrier());
-        let caustics = match (carriers, used.iter().any(|m| m.emits())) {
-            (false, _) => effect("caustics", false, "no mirror, metal or glass"),
-            (true, false) => effect("caustics", false, "no lamp"),
-            (true, true) => {
-                effect("caustics", true, "light shot from lamps through mirrors, metals and glass")
-            }
-        };
+        let caustics = caustics(scene, &used);
         let coloured: Vec<&str> = used
             .iter()
             .filter(|m| m.surface.colour().is_some_and(|colour| colour.iter().any(|&x| x != colour[0])))

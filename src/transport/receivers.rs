@@ -1,7 +1,8 @@
 //! Receivers: rows without columns, the irradiance of points that are no patches.
 //!
 //! Each point sends cosine-distributed rays and looks straight at lamps; the two are joined by the balance heuristic (Veach & Guibas
-//! 1995, eq. 14). What comes of it is a row of form factors to patches, which any radiance on them turns into irradiance.
+//! 1995, eq. 14). Such rays find the sky by way of mirrors, metals and glass, too; what lights without area send that way is caught as it crosses the
+//! cell around a point. What comes of it is a row of form factors to patches, which any radiance on them turns into irradiance.
 
 use std::f64::consts::PI;
 
@@ -10,6 +11,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::LightOptions;
+use super::crossings::add_crossings;
 use super::tones::Tones;
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
@@ -68,9 +70,12 @@ impl ReceiverRows {
             let found = work.map(|(k, (&point, direct))| {
                 let place = (chunk * CHUNK + k) as u32;
                 gather.add_direct(point, place, direct);
-                gather.row(point, place)
+                gather.row(point, place, direct)
             });
             rows.par_extend(found);
+        }
+        if let Some(lights) = &gather.lights {
+            add_crossings(tracer, lights, receiver, options, &mut direct)?;
         }
         options.progress.at("receive", 1.0)?;
         let direct = DMatrix::from_row_slice(points.len(), channels, &direct);
@@ -104,8 +109,8 @@ struct Gather<'a, 's> {
 }
 
 impl Gather<'_, '_> {
-    /// The row of a point, for each tone.
-    fn row(&self, point: DVec3, place: u32) -> Vec<Vec<(u32, f64)>> {
+    /// The row of a point, for each tone; adds what its rays find of the sky by way of carriers to its direct light.
+    fn row(&self, point: DVec3, place: u32, direct: &mut [f64]) -> Vec<Vec<(u32, f64)>> {
         let view = self.lamps.view_from(&[point], self.normal);
         let frame = frame_around(self.normal);
         let rays = f64::from(self.rays);
@@ -125,7 +130,25 @@ impl Gather<'_, '_> {
                 colour.iter_mut().enumerate().for_each(|(tone, part)| *part *= self.tones.part(tone, tint));
                 colour.iter().any(|&part| part > 0.0)
             };
-            if let Destination::Diffuse { hit, carried } = self.tracer.destination(&ray, numbers, dims) {
+            let mut is_straight = true;
+            let end = match self.tracer.closest_hit(&ray) {
+                None => Destination::Away(ray),
+                Some(hit) if !self.tracer.is_carrier(hit.face) => {
+                    Destination::Diffuse { hit, carried: false }
+                }
+                Some(hit) => self.tracer.follow(&ray, hit, numbers, dims, |before, hit, after| {
+                    is_straight &= self.tracer.goes_straight(before, hit, after);
+                }),
+            };
+            let sky = self.lights.as_ref().and_then(Lights::sky);
+            if let (Destination::Away(last), Some(sky), false) = (end, sky, is_straight) {
+                let beam = sky.from(last.direction);
+                for (c, (sum, zenith)) in direct.iter_mut().zip(sky.zenith()).enumerate() {
+                    let part = colour[self.tones.of_channel(c)];
+                    *sum += PI * beam.weight * beam.tint(c) * zenith * part / rays;
+                }
+            }
+            if let Destination::Diffuse { hit, carried } = end {
                 let face = hit.face as usize;
                 let weight = if carried {
                     1.0 / rays

@@ -8,7 +8,8 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::{Mass, Transport};
+use super::carried_light::{CarriedLight, Measured};
+use super::{Mass, Shots, Transport};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::trace::{Lights, Ray, SkyBeam, Tracer, sampling};
@@ -27,6 +28,9 @@ pub struct LightOptions<'a> {
     pub rays: u32,
     /// Number of the random sequence. The same seed gives the same bits.
     pub seed: u64,
+    /// Whether lights and the sky shoot rays at mirrors, metals and glass. Without, only what rays of patches find of the sky comes by way of
+    /// these.
+    pub caustics: Shots,
     /// Where to report progress, as stage `light`.
     pub progress: Progress<'a>,
 }
@@ -34,7 +38,7 @@ pub struct LightOptions<'a> {
 impl Default for LightOptions<'_> {
     /// 512 rays.
     fn default() -> Self {
-        Self { rays: 512, seed: 0, progress: Progress::default() }
+        Self { rays: 512, seed: 0, caustics: Shots::Shot, progress: Progress::default() }
     }
 }
 
@@ -48,6 +52,8 @@ pub struct Sources {
     /// By how much more H₀ each eighth of the rays towards lights would have found by itself: eight samples of its noise, N × c, W·m⁻²; none
     /// where there are no such lights.
     pub spread: Vec<DMatrix<f64>>,
+    /// What of H₀ comes by way of mirrors, metals and glass; none where a scene has none of these, or no such lights.
+    pub carried: Option<CarriedLight>,
 }
 
 impl Sources {
@@ -85,8 +91,15 @@ impl Sources {
             mass.solve(&mut field, 1.0);
             field
         });
-        let direct = fields.next();
-        Ok(Self { direct, spread: fields.collect(), emitted })
+        let mut sources = Self { direct: fields.next(), spread: fields.collect(), carried: None, emitted };
+        if let Some(Measured { light, more }) =
+            CarriedLight::trace(tracer, patches, basis, &look.lights, options)?
+        {
+            sources.direct.iter_mut().for_each(|direct| *direct += &light.irradiance);
+            sources.spread.iter_mut().zip(more).for_each(|(spread, more)| *spread += more);
+            sources.carried = Some(light);
+        }
+        Ok(sources)
     }
 
     /// The right-hand side E = Lₑ + ρH₀/π, N × c.
@@ -100,9 +113,12 @@ impl Sources {
         }
     }
 
-    /// The flux that starts, per channel, in W·m⁻² times the unit of area of `mass`: π Σ A Lₑ + Σ A H₀.
+    /// The flux that starts, per channel, in W·m⁻² times the unit of area of `mass`: π Σ A Lₑ + Σ A H₀, and what carriers kept of the latter on its
+    /// way.
     pub fn flux(&self, mass: &Mass) -> Vec<f64> {
-        let direct = |c: usize| self.direct.as_ref().map_or(0.0, |h| mass.sums().dot(&h.column(c)));
+        let kept =
+            |c: usize| self.carried.as_ref().map_or(0.0, |carried| carried.absorbed[c] + carried.lost[c]);
+        let direct = |c: usize| self.direct.as_ref().map_or(0.0, |h| mass.sums().dot(&h.column(c)) + kept(c));
         let of = |c: usize| PI * mass.sums().dot(&self.emitted.column(c)) + direct(c);
         (0..self.emitted.ncols()).map(of).collect()
     }
@@ -111,7 +127,7 @@ impl Sources {
 impl From<DMatrix<f64>> for Sources {
     /// Emitted radiance (N × c) alone.
     fn from(emitted: DMatrix<f64>) -> Self {
-        Self { emitted, direct: None, spread: Vec::new() }
+        Self { emitted, direct: None, spread: Vec::new(), carried: None }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use super::{Occlusion, Plan, TraceOptions};
+use super::{LightOptions, Occlusion, Plan, TraceOptions};
 use crate::scene::{Feature, Scene};
 
 /// Effects that can be left out, what each loses, and what is left out of the scene for it, if that is all.
@@ -35,7 +35,7 @@ const SWITCHES: [(&str, &str, Option<Feature>); 15] = [
     ),
     (
         "caustics",
-        "light by way of mirrors and glass is found by rays from the surfaces that it lights alone: it is noisier",
+        "light by way of mirrors and glass is found by rays from the surfaces that it lights alone: it is noisier, and that of lights without area is lost",
         None,
     ),
 ];
@@ -134,9 +134,15 @@ impl Switches {
         let occlusion = if self.on.contains(&OCCLUSION_RAYS) { Occlusion::Always } else { options.occlusion };
         TraceOptions { lamp_rays, caustics, occlusion, ..options }
     }
+
+    /// The same way to look for lights, without what is switched off.
+    pub fn light<'a>(&self, options: LightOptions<'a>) -> LightOptions<'a> {
+        let caustics = if self.leave_out("caustics") { Shots::Skipped } else { options.caustics };
+        LightOptions { caustics, ..options }
+    }
 }
 
-/// Whether lamps shoot light through mirrors and glass.
+/// Whether lamps and lights shoot light through mirrors and glass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shots {
     /// They do, where there are lamps and any of these.

@@ -1,5 +1,6 @@
 //! What the crate and its program promise, seen from outside: a map of behaviours.
 
+mod carried_light; // lights without area and skies by way of mirrors, metals and glass
 mod carriers; // mirrors and glass: closed forms, another renderer, bad input, pictures, saved form factors
 mod coloured_carriers; // mirrors, metals and glass by channel: light paths, energy, saved form factors, receivers
 mod commands; // what the program writes, prints and answers

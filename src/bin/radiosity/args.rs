@@ -115,7 +115,7 @@ impl AccuracyArgs {
 
     pub fn light<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> LightOptions<'a> {
         let rays = self.rays.unwrap_or(LightOptions::default().rays);
-        LightOptions { rays, seed: run.seed, progress }
+        LightOptions { rays, seed: run.seed, progress, ..Default::default() }
     }
 
     pub fn trace<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> TraceOptions<'a> {
@@ -268,7 +268,17 @@ impl PictureArgs {
         let &Self { samples, .. } = self;
         let seed = run.seed;
         let surfaces = Surfaces::Textured;
-        let options = RenderOptions { width, height, shading, surfaces, outlines, samples, seed, progress };
+        let options = RenderOptions {
+            width,
+            height,
+            shading,
+            surfaces,
+            outlines,
+            samples,
+            seed,
+            progress,
+            ..Default::default()
+        };
         options.validate()?;
         Ok(options)
     }
@@ -280,6 +290,17 @@ impl PictureArgs {
             ShadingArg::Gather | ShadingArg::Path => {
                 factors.refuse_to_leave_out(scene, "--shading gather and path follow light themselves")
             }
+        }
+    }
+
+    /// Says so where this way of shading lacks light that is solved for.
+    pub fn warn_of_light_paths(&self, scene: &Scene, terminal: &Terminal) {
+        let carries = (0..scene.faces().len()).any(|face| scene.is_carrier(face));
+        if matches!(self.shading, ShadingArg::Path) && carries && scene.lights().next().is_some() {
+            terminal.warn(
+                "light paths that start at the camera do not find points, spots, luminaires and suns by way of mirrors, metals and glass: \
+                 the picture lacks that light; --shading gather shows it",
+            );
         }
     }
 

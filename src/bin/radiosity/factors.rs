@@ -60,7 +60,7 @@ impl FactorsArgs {
 
     /// How to look for lights without area.
     pub fn light<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> LightOptions<'a> {
-        self.accuracy.light(run, progress)
+        self.effects.light(self.accuracy.light(run, progress))
     }
 
     /// The scene without what is switched off, and the plan for it; warns of what is lost.

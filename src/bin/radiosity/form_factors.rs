@@ -32,6 +32,10 @@ pub struct Args {
     #[arg(long, value_enum)]
     by: Option<ByArg>,
 
+    /// Which channel's form factors to write where mirrors, metals or glass are coloured: 1 for red, 2 for green, 3 for blue
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..))]
+    channel: Option<u16>,
+
     #[command(flatten)]
     accuracy: AccuracyArgs,
     #[command(flatten)]
@@ -66,6 +70,27 @@ impl Args {
             Some(ByArg::Object) => GroupBy::Object,
             Some(ByArg::Patch) => GroupBy::Patch,
         }
+    }
+
+    /// The channel that is written, from 0; says so where others differ.
+    fn channel(
+        &self,
+        scene: &Scene,
+        factors: Option<&FormFactors>,
+        terminal: &Terminal,
+    ) -> Result<usize, Failure> {
+        let (asked, channels) = (self.channel.map_or(1, usize::from), scene.channels());
+        // Where all channels agree, the one that is kept stands for red, green and blue.
+        if asked > channels.max(3) {
+            return Err(format!("--channel {asked}: the scene has channels 1 to {}", channels.max(3)).into());
+        }
+        let differ = factors.is_some_and(|factors| factors.exchanges().len() > 1);
+        if differ && self.channel.is_none() {
+            terminal.warn(
+                "mirrors, metals or glass are coloured: the form factors are those of channel 1, red; --channel 2 or 3 writes others",
+            );
+        }
+        Ok((asked - 1).min(channels - 1))
     }
 
     /// The file for the results; its folder is made if it is not there.
@@ -106,16 +131,17 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     } else {
         terminal.warn("no face sees another: everything escapes");
     }
+    let channel = args.channel(&scene, factors.as_ref(), terminal)?;
     let groups = Groups::new(&patches, by);
     let between = match &factors {
         Some(factors) if by != GroupBy::Patch => {
-            factors.between_groups(&patches, groups.of_patch(), progress)?
+            factors.between_groups_in(channel, &patches, groups.of_patch(), progress)?
         }
         _ => Vec::new(),
     };
     let table = match &factors {
         Some(factors) if by == GroupBy::Patch => {
-            FactorTable::between_patches(&patches, &groups, factors.exchange())
+            FactorTable::between_patches(&patches, &groups, factors.exchange_of(channel))
         }
         _ => FactorTable::between_groups(&patches, &groups, &between),
     };

@@ -1,6 +1,6 @@
 //! `radiosity render`: pictures.
 
-use radiosity::output;
+use radiosity::output::{self, RenderOptions};
 use radiosity::solve;
 use radiosity::trace::Tracer;
 use radiosity::transport::{Keep, Transport};
@@ -29,6 +29,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("load", 0.0)?;
     let (scene, _) = args.factors.settle(args.scene.load()?, terminal)?;
     args.picture.refuse_to_leave_out(&scene, &args.factors)?;
+    args.picture.warn_of_light_paths(&scene, terminal);
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, Keep::Nothing, terminal)?;
@@ -44,6 +45,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let e = sources.right_hand_side(&k);
     let solution = solve::solve(&k, &e, &args.solver.options(&args.run, progress))?;
     let camera = args::camera(&tracer, &patches);
+    let look = RenderOptions { carried: sources.carried.as_ref().map(|light| &light.irradiance), ..look };
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
     args::warn_if_black(&picture, terminal);
     progress.at("write", 0.0)?;

@@ -49,6 +49,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("load", 0.0)?;
     let (scene, plan) = args.factors.settle(args.scene.load()?, terminal)?;
     args.picture.refuse_to_leave_out(&scene, &args.factors)?;
+    args.picture.warn_of_light_paths(&scene, terminal);
     let direct_only = scene.is_without(Feature::Interreflection);
     if args.lamp_groups && direct_only {
         return Err("--lamp-groups needs interreflection; leave one of the two out".into());
@@ -61,9 +62,10 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let plan = plan.foretold(&args.factors.forecast(&tracer, &args.solver, (&look, chosen), &args.run));
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
+    let asked = args.factors.light(&args.run, progress);
     let light = match steps.is_empty() {
-        true => args.factors.light(&args.run, progress),
-        false => LightOptions { rays: factors.rays(), seed: args.run.seed, progress },
+        true => asked,
+        false => LightOptions { rays: factors.rays(), ..asked },
     };
     let sources = args.factors.sources(&tracer, &patches, basis, &args.run, &light)?;
     let e = sources.right_hand_side(&k);
@@ -102,6 +104,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     }
 
     let camera = args::camera(&tracer, &patches);
+    let look = RenderOptions { carried: sources.carried.as_ref().map(|light| &light.irradiance), ..look };
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
     args::warn_if_black(&picture, terminal);
     // Illuminance is shown from patches and corners, however light is.

@@ -10,7 +10,7 @@ use crate::patches::{PatchError, PatchSize, Patches, Tessellation};
 use crate::progress::Progress;
 use crate::solve::{CgOptions, conjugate_gradients};
 use crate::trace::Tracer;
-use crate::transport::{FormFactors, LightOptions, Sources, TraceOptions, Transport, TransportError};
+use crate::transport::{FormFactors, LightOptions, Shots, Sources, TraceOptions, Transport, TransportError};
 
 /// The scene solved on a coarser and a finer cut.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +34,7 @@ impl MeshError {
         tessellation: &Tessellation,
         trace: &TraceOptions,
     ) -> Result<Self, MeasureError> {
-        let own = irradiance(tracer, patches, factors, trace.seed)?;
+        let own = irradiance(tracer, patches, factors, (trace.seed, trace.caustics))?;
         let edge = typical_edge(patches);
         let on_cut = |scale: f64, rays: u32, stream: u64| -> Result<DMatrix<f64>, MeasureError> {
             let size = PatchSize::Edge(edge * scale);
@@ -48,7 +48,7 @@ impl MeshError {
             let rays = (factors.rays() > 0).then_some(rays);
             let options = TraceOptions { rays, seed, basis, progress: trace.progress, ..*trace };
             let factors = FormFactors::trace(tracer, &mut cut, &options)?;
-            Ok(patches.resample(&cut, &irradiance(tracer, &cut, &factors, seed)?))
+            Ok(patches.resample(&cut, &irradiance(tracer, &cut, &factors, (seed, trace.caustics))?))
         };
         let rays = factors.rays().max(FEWEST_RAYS);
         let coarser = &own - on_cut(2.0, rays, 1 << 61)?;
@@ -74,10 +74,11 @@ fn irradiance(
     tracer: &Tracer,
     patches: &Patches,
     factors: &FormFactors,
-    seed: u64,
+    (seed, caustics): (u64, Shots),
 ) -> Result<DMatrix<f64>, MeasureError> {
     let k = Transport::of(factors, patches)?;
-    let sources = Sources::trace(tracer, patches, k.basis(), &LightOptions { seed, ..Default::default() })?;
+    let light = LightOptions { seed, caustics, ..Default::default() };
+    let sources = Sources::trace(tracer, patches, k.basis(), &light)?;
     let solution = conjugate_gradients(&k, &sources.right_hand_side(&k), &CgOptions::default())?;
     Ok(solution.under(&sources).means(k.basis()).irradiance)
 }

@@ -65,6 +65,7 @@ fn solved_on(
         emitted: mean(&basis.means(&sources.emitted)),
         direct: sources.direct.as_ref().map(|direct| mean(&basis.means(direct))),
         spread: Vec::new(),
+        carried: None,
     };
     let options = CgOptions { tolerance: 1e-5, ..Default::default() };
     let solution = conjugate_gradients(&k, &sources.right_hand_side(&k), &options)?.under(&sources);

@@ -32,6 +32,17 @@ impl Beams {
         (!lights.is_empty() || sky.is_some()).then_some(Self { lights, sky, environment })
     }
 
+    /// What the sky sends from a direction: a share of the radiance that is left in `radiance` (per channel); none where there is no sky.
+    #[inline]
+    pub fn sky_from(&self, towards: DVec3, radiance: &mut [f64]) -> Option<f64> {
+        let (shares, sky) = self.sky.as_ref()?;
+        let (share, tint) = shares.tinted(towards);
+        for (c, (radiance, zenith)) in radiance.iter_mut().zip(&sky.zenith).enumerate() {
+            *radiance = zenith * tint.map_or(1.0, |tint| tint[c]);
+        }
+        Some(share)
+    }
+
     /// Calls `arrives(part, power)` for each part · power (per channel; `scratch` has as many values) of the irradiance at `place`, straight from lights and sky.
     #[inline]
     pub fn look(
@@ -86,11 +97,11 @@ impl Beams {
         if let Some((environment, surroundings)) = &self.environment {
             let (towards, worth) = surroundings.sample(environment, place.normal, [s, t]);
             let part = worth * place.normal.dot(towards);
-            if part > 0.0 && tracer.is_clear(&ray(towards), f64::INFINITY) {
-                let Some((_, sky)) = &self.sky else { return };
+            let Some((_, sky)) = &self.sky else { return };
+            if part > 0.0 {
                 let mut colour = environment.from(towards);
                 colour.iter_mut().zip(&sky.zenith).for_each(|(x, zenith)| *x *= zenith);
-                arrives(part, &colour[..sky.zenith.len().min(3)]);
+                look(part, towards, f64::INFINITY, &colour[..sky.zenith.len().min(3)]);
             }
         } else if let Some((shares, sky)) = &self.sky {
             let towards = frame_around(place.normal) * cosine_hemisphere([s, t]);

@@ -8,6 +8,7 @@
 use nalgebra::DMatrix;
 
 use super::super::ReferenceRow;
+use super::photons::Photons;
 use crate::patches::{FaceRow, Patches};
 
 /// Paths in a batch: the more the better they complement each other; where there are many patches, few, for all of them want some.
@@ -24,6 +25,8 @@ pub struct PathTraced {
     /// Bounces that are kept apart.
     pub(super) bounces: usize,
     pub(super) halves: [Half; 2],
+    /// What photons brought beside; none where none are needed.
+    pub(super) photons: Option<Photons>,
     /// Patch areas, m².
     pub(super) areas: Vec<f64>,
     pub(super) paths: u64,
@@ -74,6 +77,7 @@ impl PathTraced {
             batch: batch_for(areas.len()),
             bounces,
             halves,
+            photons: None,
             areas: areas.to_vec(),
             paths: 0,
             seconds: 0.0,
@@ -115,7 +119,8 @@ impl PathTraced {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         let of = |half: &Half| 4 * half.batches.len() + 16 * half.sums.len() + 8 * half.spread.len();
-        (self.halves.iter().map(of).sum::<usize>() + 8 * self.areas.len()) as u64
+        let photons = self.photons.as_ref().map_or(0, |photons| 16 * photons.sums.len());
+        (self.halves.iter().map(of).sum::<usize>() + photons + 8 * self.areas.len()) as u64
     }
 
     /// The highest bounce that is kept apart.
@@ -162,7 +167,9 @@ impl PathTraced {
             (mean, variance / f64::from(half.batches[patch].max(1)))
         };
         let [(a, error_a), (b, error_b)] = [of(&self.halves[0]), of(&self.halves[1])];
-        Estimate { mean: 0.5 * (a + b), standard_error: 0.5 * (error_a + error_b).sqrt() }
+        let (thrown, error) =
+            self.photons.as_ref().map_or((0.0, 0.0), |photons| photons.moments(patch * values + value));
+        Estimate { mean: 0.5 * (a + b) + thrown, standard_error: (0.25 * (error_a + error_b) + error).sqrt() }
     }
 
     /// Irradiance H of every patch, n × c, W·m⁻².

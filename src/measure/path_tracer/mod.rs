@@ -1,11 +1,13 @@
 //! Path tracer: an independent witness, the light on every patch by following random light paths on the surfaces themselves.
 //!
-//! It shares nothing with the solvers but the scene, the tracer and the numbering of patches: no form factors, no patches that are
+//! Light from points and suns that mirrors and glass throw on surfaces is found by no path that starts where light is wanted; photons bring it, from the
+//! other end. It shares nothing with the solvers but the scene, the tracer and the numbering of patches: no form factors, no patches that are
 //! bright or dark all over. It is unbiased, and says how far off it may be by standard errors.
 
 mod beams;
 mod estimate;
 mod lights;
+mod photons;
 mod rounds;
 mod surroundings;
 mod walk;
@@ -26,6 +28,7 @@ use crate::scene::Side;
 use crate::trace::sampling::Sequence;
 use crate::trace::{Hit, Ray, Tracer};
 use estimate::Half;
+use photons::Thrower;
 use rounds::{first_round, next_round};
 use walk::{Beyond, Met, Numbers, Place, Walker};
 
@@ -68,12 +71,13 @@ impl Default for PathOptions<'_> {
 #[derive(Debug)]
 pub struct PathTracer<'t, 's> {
     walker: Walker<'t, 's>,
+    thrower: Option<Thrower>,
 }
 
 impl<'t, 's> PathTracer<'t, 's> {
     /// Makes the scene's lamps known to it.
     pub fn new(tracer: &'t Tracer<'s>) -> Self {
-        Self { walker: Walker::new(tracer) }
+        Self { walker: Walker::new(tracer), thrower: Thrower::new(tracer) }
     }
 
     /// Radiance that arrives along `ray`, per channel, W·sr⁻¹·m⁻²: one path, by point `k` of `sequence` from dimension set 1 on. Adds it
@@ -96,7 +100,7 @@ impl<'t, 's> PathTracer<'t, 's> {
             };
             match walker.beyond_carriers(*ray, first, &mut numbers, [&mut colour, scratch], lamp_seen) {
                 Beyond::Met(met) => met,
-                Beyond::Away(last) => {
+                Beyond::Away { ray: last, .. } => {
                     if let Some(sky) = walker.tracer.scene().sky() {
                         let (share, tint) = sky.shares().tinted(last.direction);
                         let seen = sky.zenith.iter().zip(&colour).enumerate();
@@ -109,7 +113,7 @@ impl<'t, 's> PathTracer<'t, 's> {
                 Beyond::Nowhere => return Some(first),
             }
         } else {
-            Met { hit: first, direction: ray.direction, density: None }
+            Met { hit: first, direction: ray.direction, density: None, is_straight: true }
         };
         let hit = met.hit;
         let mut own = [0.0; 3];
@@ -217,6 +221,11 @@ impl<'t, 's> PathTracer<'t, 's> {
                 let range = chunk * CHUNK..more.len().min((chunk + 1) * CHUNK);
                 paths += more[range].iter().map(|&n| u64::from(n) * u64::from(estimate.batch)).sum::<u64>();
             }
+        }
+        if let Some(thrower) = &self.thrower {
+            let mut photons = estimate.photons.clone().unwrap_or_default();
+            thrower.throw(&self.walker, patches, &mut photons, paths, options)?;
+            estimate.photons = Some(photons);
         }
         estimate.halves = halves;
         estimate.paths += paths;

@@ -19,7 +19,7 @@ use crate::trace::sampling::{Sequence, cosine_hemisphere, cosine_hemisphere_pdf,
 use crate::trace::{Glossy, Hit, Ray, Tint, Tracer};
 
 /// Steps that every walk takes; from then on Russian roulette decides whether it goes on.
-const CERTAIN: usize = 3;
+pub(super) const CERTAIN: usize = 3;
 
 /// A path that has met more carriers than this between two diffuse surfaces is given up.
 const MOST_CARRIERS: usize = 1000;
@@ -53,14 +53,21 @@ pub(super) struct Met {
     pub direction: DVec3,
     /// Its density per unit solid angle, where lamps are looked for from where it started; none after mirrors and glass.
     pub density: Option<f64>,
+    /// Whether it was met straight, with nothing but thin glass in between.
+    pub is_straight: bool,
 }
 
 /// Where a walk over carriers ends.
 pub(super) enum Beyond {
     /// On a diffuse surface.
     Met(Met),
-    /// Outside, by this ray.
-    Away(Ray),
+    /// Outside.
+    Away {
+        /// The last ray.
+        ray: Ray,
+        /// Whether it went straight, with nothing but thin glass in its way.
+        is_straight: bool,
+    },
     /// In a carrier, or nowhere.
     Nowhere,
 }
@@ -172,11 +179,20 @@ impl<'t, 's> Walker<'t, 's> {
                 };
                 match self.beyond_carriers(ray, first, numbers, [weight, scratch], lamp_seen) {
                     Beyond::Met(met) => met,
-                    Beyond::Away(_) | Beyond::Nowhere => return,
+                    Beyond::Away { ray, is_straight: false } => {
+                        if let Some(share) =
+                            self.beams.as_ref().and_then(|b| b.sky_from(ray.direction, scratch))
+                        {
+                            arrives(k, PI * share, weight, scratch);
+                        }
+                        return;
+                    }
+                    // What comes straight was looked for.
+                    Beyond::Away { .. } | Beyond::Nowhere => return,
                 }
             } else {
                 let density = Some(cosine_hemisphere_pdf(place.normal.dot(outwards)));
-                Met { hit: first, direction: outwards, density }
+                Met { hit: first, direction: outwards, density, is_straight: true }
             };
             let hit = met.hit;
             let next = Place::of(self.tracer, &hit);
@@ -224,6 +240,7 @@ impl<'t, 's> Walker<'t, 's> {
         [weight, scratch]: [&mut [f64]; 2],
         mut lamp_seen: impl FnMut(f64, &[f64], &[f64]),
     ) -> Beyond {
+        let mut is_straight = true;
         for met in 0..MOST_CARRIERS {
             let glossy = self.tracer.glossy(&ray, &hit);
             if let Some(glossy) = &glossy {
@@ -252,19 +269,20 @@ impl<'t, 's> Walker<'t, 's> {
                     weight.iter_mut().for_each(|w| *w /= survival);
                 }
             }
+            is_straight &= self.tracer.goes_straight(&ray, &hit, &scattered.ray);
             ray = scattered.ray;
-            let Some(next) = self.tracer.closest_hit(&ray) else { return Beyond::Away(ray) };
+            let Some(next) = self.tracer.closest_hit(&ray) else { return Beyond::Away { ray, is_straight } };
             hit = next;
             if !self.tracer.is_carrier(hit.face) {
                 let density = glossy.map(|glossy| glossy.density(ray.direction));
-                return Beyond::Met(Met { hit, direction: ray.direction, density });
+                return Beyond::Met(Met { hit, direction: ray.direction, density, is_straight });
             }
         }
         Beyond::Nowhere
     }
 
     /// How much of a lamp that was met is to be believed, beside what is found by points drawn on lamps.
-    pub fn trust(&self, Met { hit, direction, density }: &Met) -> f64 {
+    pub fn trust(&self, Met { hit, direction, density, .. }: &Met) -> f64 {
         let Some(by_direction) = *density else { return 1.0 };
         let cosine = -self.tracer.normal(hit.face as usize, hit.side).dot(*direction);
         share(by_direction, self.lights.density(hit.face) * hit.distance * hit.distance / cosine)
@@ -336,6 +354,6 @@ fn share(density: f64, other: f64) -> f64 {
 }
 
 #[inline]
-fn largest(weight: &[f64]) -> f64 {
+pub(super) fn largest(weight: &[f64]) -> f64 {
     weight.iter().copied().fold(0.0, f64::max)
 }

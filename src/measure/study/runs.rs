@@ -81,7 +81,7 @@ pub(super) fn measure_cell(
             TraceOptions { rays: Some(cell.rays), seed, basis, memory, progress, ..TraceOptions::default() };
         let factors = FormFactors::trace(tracer, &mut cut, &trace)?;
         let k = Transport::of(&factors, &cut)?;
-        let light = LightOptions { rays: cell.rays, seed, progress };
+        let light = LightOptions { rays: cell.rays, seed, progress, ..Default::default() };
         let sources = Sources::trace(tracer, &cut, basis, &light)?;
         let e = sources.right_hand_side(&k);
         let before = began.elapsed().as_secs_f64();

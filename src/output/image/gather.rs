@@ -1,4 +1,5 @@
 //! Final gathering: light at a point itself, not at its patch; L = Lₑ + ρ/π·(H of lamps + H of lights without area + H of all else).
+//! What lights without area and the sky send by way of mirrors, metals and glass is that of the patches, smoothed.
 //!
 //! Lamps are sampled at points drawn on them, everything else by cosine-distributed rays that bring back the solution
 //! where they land. Such rays meet lamps too. Both ways count, weighted by the balance heuristic (Veach &
@@ -11,7 +12,7 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 
 use super::super::to_rgb;
-use super::field::{Elements, rgb_rows};
+use super::field::{Elements, Field, rgb_rows};
 use super::highlights::{Highlights, Views};
 use super::reflections::rgb_of;
 use crate::patches::{Barycentrics, Patches};
@@ -29,6 +30,8 @@ pub(super) struct Gather<'a, 's> {
     patches: &'a Patches<'s>,
     lamps: Lamps,
     lights: Option<Lights>,
+    /// The part of H₀ that comes by way of mirrors, metals and glass, which rays from here would hardly find.
+    carried: Option<Field<'a, 's>>,
     /// Radiance L wherever rays land.
     radiance: Elements<'a, 's>,
     /// Of every material.
@@ -49,7 +52,12 @@ struct Place {
 }
 
 impl<'a, 's> Gather<'a, 's> {
-    pub fn new(tracer: &'a Tracer<'s>, patches: &'a Patches<'s>, radiance: &DMatrix<f64>) -> Self {
+    pub fn new(
+        tracer: &'a Tracer<'s>,
+        patches: &'a Patches<'s>,
+        radiance: &DMatrix<f64>,
+        carried: Option<&DMatrix<f64>>,
+    ) -> Self {
         let materials = tracer.scene().materials();
         Self {
             tracer,
@@ -57,6 +65,7 @@ impl<'a, 's> Gather<'a, 's> {
             patches,
             lamps: Lamps::new(tracer),
             lights: Lights::new(tracer),
+            carried: carried.map(|field| Field::smooth(tracer, patches, field)),
             radiance: Elements::new(patches, radiance),
             reflectance: materials.iter().map(|m| to_rgb(&m.reflectance).into()).collect(),
             emission: materials.iter().map(|m| to_rgb(&m.emission).into()).collect(),
@@ -153,7 +162,15 @@ impl<'a, 's> Gather<'a, 's> {
             + reflectance
                 * (self.light_of_lamps(&place, view, [s, t])
                     + self.light_around(&place, (view, views), [u, v], numbers)
-                    + self.light_of_lights(&place, [s, t]))
+                    + self.light_of_lights(&place, [s, t])
+                    + self.carried_light(hit))
+    }
+
+    /// H₀/π: of lights without area and the sky by way of carriers, as it was solved.
+    fn carried_light(&self, hit: &Hit) -> DVec3 {
+        let patch = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics);
+        let field = self.carried.as_ref().zip(patch);
+        field.map_or(DVec3::ZERO, |(field, patch)| field.at(patch, hit.barycentrics) * FRAC_1_PI)
     }
 
     /// H₀/π: straight from lights without area and from the sky.

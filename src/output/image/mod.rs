@@ -82,6 +82,9 @@ pub struct RenderOptions<'a> {
     pub height: usize,
     /// How radiance varies within a patch.
     pub shading: Shading,
+    /// Irradiance by lights without area and the sky by way of mirrors, metals and glass (N × c, W·m⁻²), which gathering can't find by itself:
+    /// that of [`CarriedLight`](crate::transport::CarriedLight).
+    pub carried: Option<&'a DMatrix<f64>>,
     /// Whether textures are shown.
     pub surfaces: Surfaces,
     /// Whether the edges of patches are drawn.
@@ -102,6 +105,7 @@ impl Default for RenderOptions<'_> {
             width: 800,
             height: 600,
             shading: Shading::Smooth,
+            carried: None,
             surfaces: Surfaces::Textured,
             outlines: Outlines::Hidden,
             samples: 64,
@@ -194,7 +198,7 @@ enum Sight<'a, 's> {
     /// The solution: the same at every look, so a few samples do where nothing changes.
     Field(Field<'a, 's>, Option<Painted<'a, 's>>),
     /// Light gathered there: random, so every pixel takes all its samples.
-    Gather(Gather<'a, 's>),
+    Gather(Box<Gather<'a, 's>>),
     /// Light paths that start there: random too.
     Path(PathTracer<'a, 's>),
 }
@@ -215,7 +219,9 @@ impl<'a, 's> View<'a, 's> {
         let sight = match options.shading {
             Shading::Flat => field(&|field: &DMatrix<f64>| Field::flat(patches, field)),
             Shading::Smooth => field(&|field: &DMatrix<f64>| Field::smooth(tracer, patches, field)),
-            Shading::Gather => Sight::Gather(Gather::new(tracer, patches, radiance)),
+            Shading::Gather => {
+                Sight::Gather(Box::new(Gather::new(tracer, patches, radiance, options.carried)))
+            }
             Shading::Path => Sight::Path(PathTracer::new(tracer)),
         };
         let lens = Lens::new(tracer, camera, options.width, options.height);

@@ -2,6 +2,7 @@
 
 mod compare;
 mod effects;
+mod form_factors;
 mod plan;
 mod study;
 

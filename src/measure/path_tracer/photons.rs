@@ -1,0 +1,233 @@
+//! Photons: light from points and suns by way of mirrors, metals and glass, followed forwards to where it lands and from there on.
+//!
+//! Each starts towards the ball around all carriers, and counts where a carrier is the first thing it meets and turns it. On every diffuse
+//! surface it brings its flux, and goes on with the part ρ of it in a direction of density cos θ/π. Photons come in batches, the points of
+//! one scrambled sequence, whose spread tells the standard error.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::PathOptions;
+use super::walk::{Beyond, CERTAIN, Met, Numbers, Walker, largest};
+use crate::patches::Patches;
+use crate::progress::Cancelled;
+use crate::scene::Light;
+use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around, uniform_disc};
+use crate::trace::{Frame, Ray, Tracer};
+
+/// Where the streams of random sequences start; one a light.
+const STREAM: u64 = 1 << 51;
+
+/// Photons of each light in a batch.
+const BATCH: u32 = 1024;
+
+/// The fewest batches of a round.
+const FEWEST: u64 = 16;
+
+/// Farther away than this, normalised, there is nothing of the scene.
+const OUTSIDE: f64 = 4.0;
+
+/// What photons brought so far.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Photons {
+    pub batches: u32,
+    /// Per patch, then bounce and channel as in a half: sum of batch means, and of their squares.
+    pub sums: Vec<[f64; 2]>,
+}
+
+impl Photons {
+    /// Mean, and its variance.
+    pub fn moments(&self, value: usize) -> (f64, f64) {
+        let n = f64::from(self.batches).max(1.0);
+        let [sum, squares] = self.sums[value];
+        let mean = sum / n;
+        (mean, ((squares - sum * mean) / (n - 1.0).max(1.0)).max(0.0) / n)
+    }
+}
+
+/// What throws photons: the lights, and the ball around all carriers, normalised.
+#[derive(Debug)]
+pub(super) struct Thrower {
+    lights: Vec<Light>,
+    centre: DVec3,
+    radius: f64,
+}
+
+impl Thrower {
+    /// That of a scene; none where it has no such lights or nothing that turns their light.
+    pub fn new(tracer: &Tracer) -> Option<Self> {
+        let lights: Vec<Light> = tracer.scene().lights().cloned().collect();
+        if lights.is_empty() || !tracer.has_carriers() {
+            return None;
+        }
+        let faces = (0..tracer.scene().faces().len()).filter(|&face| tracer.is_carrier(face as u32));
+        let corners: Vec<DVec3> = faces.flat_map(|face| *tracer.corners(face)).collect();
+        let low = corners.iter().copied().reduce(DVec3::min)?;
+        let high = corners.iter().copied().reduce(DVec3::max)?;
+        let centre = 0.5 * (low + high);
+        let radius = corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
+        Some(Self { lights, centre, radius })
+    }
+
+    /// Throws about as many photons as there were paths in a round.
+    pub fn throw(
+        &self,
+        walker: &Walker,
+        patches: &Patches,
+        photons: &mut Photons,
+        paths: u64,
+        options: &PathOptions,
+    ) -> Result<(), Cancelled> {
+        let values = (options.bounces + 1) * walker.channels;
+        photons.sums.resize(values * patches.len(), [0.0; 2]);
+        let batches = (paths / (u64::from(BATCH) * self.lights.len() as u64)).max(FEWEST) as u32;
+        let first = photons.batches;
+        let mut done = 0;
+        while done < batches {
+            options.progress.at("reference", 0.999)?;
+            let together = (batches - done).min(64);
+            let range = first + done..first + done + together;
+            let found: Vec<Vec<(usize, f64)>> =
+                range.into_par_iter().map(|batch| self.batch(walker, patches, batch, options)).collect();
+            for found in found {
+                for run in found.chunk_by(|a, b| a.0 == b.0) {
+                    let mean: f64 = run.iter().map(|(_, irradiance)| irradiance).sum();
+                    let [sum, squares] = &mut photons.sums[run[0].0];
+                    *sum += mean;
+                    *squares += mean * mean;
+                }
+            }
+            done += together;
+        }
+        photons.batches += batches;
+        Ok(())
+    }
+
+    /// What the photons of one batch bring: values and their parts of the mean irradiance, by value.
+    fn batch(
+        &self,
+        walker: &Walker,
+        patches: &Patches,
+        batch: u32,
+        options: &PathOptions,
+    ) -> Vec<(usize, f64)> {
+        let channels = walker.channels;
+        let values = (options.bounces + 1) * channels;
+        let mut found = Vec::new();
+        let mut weight = vec![0.0; 2 * channels];
+        for (light, source) in self.lights.iter().enumerate() {
+            let sequence = Sequence::new(options.seed, STREAM + light as u64, u64::from(batch));
+            for point in 0..BATCH {
+                let mut numbers = Numbers { sequence, point, set: 0 };
+                let (ray, worth) = self.start(source, walker.tracer.frame(), numbers.next());
+                let (weight, scratch) = weight.split_at_mut(channels);
+                let worth = worth / f64::from(BATCH);
+                weight.iter_mut().zip(source.power()).for_each(|(w, power)| *w = worth * power);
+                let arrives = |bounce: usize, met: &Met, flux: &[f64]| {
+                    let place = patches.patch_at(met.hit.face as usize, met.hit.side, met.hit.barycentrics);
+                    let Some(patch) = place else { return };
+                    for (c, flux) in flux.iter().enumerate() {
+                        let irradiance = flux / patches.area(patch);
+                        found.push((patch * values + options.bounces * channels + c, irradiance));
+                        if (1..=options.bounces).contains(&bounce) {
+                            found.push((patch * values + (bounce - 1) * channels + c, irradiance));
+                        }
+                    }
+                };
+                follow(walker, ray, &mut numbers, [weight, scratch], options.longest, arrives);
+            }
+        }
+        found.sort_by_key(|&(value, _)| value);
+        found
+    }
+
+    /// A photon of a light: its ray, and its flux per unit of the light's power by the density of such rays, m².
+    fn start(&self, light: &Light, frame: &Frame, [u, v, s, t]: [f64; 4]) -> (Ray, f64) {
+        match light {
+            Light::Point { position, .. } | Light::Spot { position, .. } | Light::Ies { position, .. } => {
+                // Draw evenly from the narrower of two cones: around the ball, or that of the light.
+                let origin = frame.from_world(*position);
+                let between = self.centre - origin;
+                let sine = self.radius / between.length();
+                let mut axis = between.normalize_or(DVec3::Y);
+                let mut height = if sine < 1.0 { 1.0 - (1.0 - sine * sine).sqrt() } else { 2.0 };
+                if let Light::Spot { direction, cone, .. } = light {
+                    let own = 1.0 - cone.to_radians().cos();
+                    if own < height {
+                        (axis, height) = (*direction, own);
+                    }
+                }
+                let along = 1.0 - u * height;
+                let across = (1.0 - along * along).max(0.0).sqrt();
+                let (sine, cosine) = (v * TAU).sin_cos();
+                let direction = frame_around(axis) * DVec3::new(across * cosine, across * sine, along);
+                let ray = Ray { origin, direction, from: Ray::FREE };
+                (ray, TAU * height * light.share_towards(direction))
+            }
+            Light::Sun { direction, diameter, .. } => {
+                // Draw a direction from the disc, and a point of a disc across it that hides the ball.
+                let radius = (0.5 * diameter).to_radians();
+                let height = 1.0 - s * (1.0 - radius.cos());
+                let across = (1.0 - height * height).max(0.0).sqrt();
+                let (sine, cosine) = (t * TAU).sin_cos();
+                let towards = frame_around(-*direction) * DVec3::new(across * cosine, across * sine, height);
+                let [x, y] = uniform_disc([u, v]).map(|x| x * self.radius);
+                let origin = self.centre + frame_around(towards) * DVec3::new(x, y, OUTSIDE);
+                let metres = self.radius * frame.scale();
+                let ray = Ray { origin, direction: -towards, from: Ray::FREE };
+                (ray, PI * metres * metres * 2.0 / (1.0 + radius.cos()))
+            }
+        }
+    }
+}
+
+/// Follows a photon to its end: calls `arrives(bounce, met, flux)` wherever it lands.
+fn follow(
+    walker: &Walker,
+    mut ray: Ray,
+    numbers: &mut Numbers,
+    [weight, scratch]: [&mut [f64]; 2],
+    longest: Option<usize>,
+    mut arrives: impl FnMut(usize, &Met, &[f64]),
+) {
+    if largest(weight) <= 0.0 {
+        return;
+    }
+    for bounce in 0.. {
+        let Some(hit) = walker.tracer.closest_hit(&ray) else { return };
+        let met = if walker.tracer.is_carrier(hit.face) {
+            match walker.beyond_carriers(ray, hit, numbers, [&mut *weight, &mut *scratch], |_, _, _| {}) {
+                Beyond::Met(met) => met,
+                Beyond::Away { .. } | Beyond::Nowhere => return,
+            }
+        } else {
+            Met { hit, direction: ray.direction, density: None, is_straight: true }
+        };
+        // What comes straight from the light is looked for from the other end.
+        if bounce == 0 && met.is_straight {
+            return;
+        }
+        arrives(bounce, &met, weight);
+        if longest.is_some_and(|longest| bounce > longest) {
+            return;
+        }
+        // Reflect, and let chance decide whether what is left is worth another step.
+        let before = largest(weight);
+        let mut own = [0.0; 3];
+        let reflectance = walker.reflectance(met.hit.face, met.hit.barycentrics, &mut own);
+        weight.iter_mut().zip(reflectance).for_each(|(w, rho)| *w *= rho);
+        let survival = largest(weight) / before;
+        let [s, t, chance, _] = numbers.next();
+        if survival == 0.0 || (bounce >= CERTAIN && chance >= survival) {
+            return;
+        }
+        if bounce >= CERTAIN {
+            weight.iter_mut().for_each(|w| *w /= survival);
+        }
+        let place = super::walk::Place::of(walker.tracer, &met.hit);
+        let direction = frame_around(place.normal) * cosine_hemisphere([s, t]);
+        ray = Ray { origin: place.point, direction, from: place.face };
+    }
+}
