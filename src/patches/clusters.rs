@@ -2,7 +2,8 @@
 //!
 //! Each face is cut anew with a longer edge, and the patches whose centres lie in the same cell of it form a cluster. Where a face is too small
 //! to be cut any more coarsely, its patches are taken together with those of other faces of the same object, material and side: these are halved
-//! again and again across the direction in which their centres or their normals spread most.
+//! again and again across the direction in which their centres or their normals spread most. On sheets that let light through, the backs of a cluster's
+//! patches are a cluster too.
 
 use std::collections::HashMap;
 
@@ -38,7 +39,10 @@ impl Patches<'_> {
         };
         let coarse = Cuts::new(faces.map(uncut), self.edge * patches.sqrt());
         let mut cells: HashMap<(usize, bool, u32), (Slot, Vec<u32>)> = HashMap::new();
-        for i in 0..self.len() {
+        let sheets = self.sheets();
+        let mut is_mirrored = vec![false; self.len()];
+        sheets.iter().flat_map(|sheets| &sheets.pairs).for_each(|&[_, back]| is_mirrored[back] = true);
+        for i in (0..self.len()).filter(|&i| !is_mirrored[i]) {
             let place = self.place(i);
             let [a, b, c] = self.corners(i);
             let centre = [0, 1].map(|k| (a[k] + b[k] + c[k]) / 3.0);
@@ -61,6 +65,9 @@ impl Patches<'_> {
             }
         }
         self.pool(small, patches, &mut clusters);
+        if let Some(sheets) = sheets {
+            clusters.mirror(&sheets.pairs);
+        }
         clusters
     }
 
@@ -121,6 +128,16 @@ impl Clusters {
     fn add(&mut self, patches: &[u32]) {
         patches.iter().for_each(|&i| self.of_patch[i as usize] = self.count);
         self.count += 1;
+    }
+
+    /// Takes backs together as their fronts are.
+    fn mirror(&mut self, pairs: &[[usize; 2]]) {
+        let mut mirrored: HashMap<usize, usize> = HashMap::new();
+        for &[front, back] in pairs {
+            let next = self.count + mirrored.len();
+            self.of_patch[back] = *mirrored.entry(self.of_patch[front]).or_insert(next);
+        }
+        self.count += mirrored.len();
     }
 }
 

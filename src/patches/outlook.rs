@@ -76,6 +76,10 @@ fn likely_sides(tracer: &Tracer) -> Vec<[f64; 2]> {
             let lit = lit && (side == Side::Front || !scene.is_without(Feature::BackSides));
             sides[*face][k] = f64::from(u8::from(lit));
         }
+        // What comes through a sheet lights its other side.
+        if scene.material_of(*face).transmittance().is_some() && sides[*face] != [0.0; 2] {
+            sides[*face] = [1.0; 2];
+        }
     }
     if sides.iter().flatten().all(|&side| side == 0.0) {
         kept.iter().for_each(|&face| sides[face] = [1.0; 2]);

@@ -22,6 +22,7 @@ mod picture_file;
 mod pixels;
 mod receiver;
 mod settings;
+mod sheet;
 mod sky;
 mod texture;
 
@@ -38,6 +39,7 @@ pub use material::{Material, Surface};
 pub use photometry::{EFFICACY, luminance};
 pub use pixels::{Beyond, Pixels};
 pub use receiver::Receiver;
+pub use sheet::Sheet;
 pub use sky::{Sky, SkyKind, SkyShares};
 pub use texture::{FaceTexture, Texture, Textures};
 
