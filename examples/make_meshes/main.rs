@@ -15,6 +15,7 @@
 mod carriers;
 mod lit;
 mod measured;
+mod sheets;
 mod textured;
 
 use std::f64::consts::PI;
@@ -41,6 +42,7 @@ fn main() -> io::Result<ExitCode> {
         carriers::glossy_floor(),
         lit::daylit_room(),
         lit::spot_gallery(),
+        sheets::blinds(),
         textured::textured_room(),
         measured::office(),
         measured::pavilion(),

@@ -69,6 +69,16 @@ impl Patches<'_> {
         (!pairs.is_empty()).then_some(Sheets { pairs, transmittance })
     }
 
+    /// Transmittance τ of each patch, n × c; none where no sheet lets light through.
+    pub fn transmittances(&self) -> Option<DMatrix<f64>> {
+        let Sheets { pairs, transmittance } = self.sheets()?;
+        let mut tau = DMatrix::zeros(self.len(), transmittance.ncols());
+        for (pair, of_pair) in pairs.iter().zip(transmittance.row_iter()) {
+            pair.iter().for_each(|&i| tau.set_row(i, &of_pair));
+        }
+        Some(tau)
+    }
+
     /// The slot on the other side, where light comes through.
     pub(crate) fn across(&self, slot: u32) -> Option<u32> {
         if !self.is_translucent {

@@ -58,6 +58,14 @@ impl Side {
     /// Both sides, front first.
     pub const BOTH: [Side; 2] = [Side::Front, Side::Back];
 
+    /// The side across.
+    pub fn other(self) -> Self {
+        match self {
+            Side::Front => Side::Back,
+            Side::Back => Side::Front,
+        }
+    }
+
     /// `front` or `back`, as tables spell it.
     pub fn name(self) -> &'static str {
         match self {

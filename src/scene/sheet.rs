@@ -53,10 +53,8 @@ impl Material {
     /// Makes a diffuse surface a sheet that lets this part of the light through, and whose back reflects this part, per channel.
     #[must_use]
     pub fn with_sheet(self, reflectance_back: &[f64], transmittance: &[f64]) -> Self {
-        let sheet = Sheet {
-            reflectance_back: reflectance_back.to_vec(),
-            transmittance: transmittance.to_vec(),
-        };
+        let sheet =
+            Sheet { reflectance_back: reflectance_back.to_vec(), transmittance: transmittance.to_vec() };
         Self { sheet: Some(sheet), ..self }
     }
 

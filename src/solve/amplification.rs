@@ -75,10 +75,11 @@ impl Amplification {
             Ok::<_, SolveError>(root.transposed_times(&through))
         })?;
         // Where J has −1, I + RᵀSR counts there as I − RᵀSR does elsewhere.
-        let inverse_norm = most_reflected.iter().zip(&ends).enumerate().map(|(c, (&rho, &[least, greatest]))| {
-            let farthest = if root.signs(c).is_some() { greatest.max(-least) } else { greatest };
-            if farthest < 1.0 { 1.0 + rho / (1.0 - farthest) } else { f64::INFINITY }
-        });
+        let inverse_norm =
+            most_reflected.iter().zip(&ends).enumerate().map(|(c, (&rho, &[least, greatest]))| {
+                let farthest = if root.signs(c).is_some() { greatest.max(-least) } else { greatest };
+                if farthest < 1.0 { 1.0 + rho / (1.0 - farthest) } else { f64::INFINITY }
+            });
         Ok(Self {
             inverse_norm: inverse_norm.collect(),
             norm: most_reflected,

@@ -105,7 +105,9 @@ pub(super) fn iterate(
         root.sign(&mut r);
         let offs: Vec<f64> = root.times(&r).column_iter().map(|column| column.amax()).collect();
         let worst = (0..channels).map(|c| relative(offs[c], goal[c])).fold(0.0, f64::max);
-        if worst <= 1.0 || of.iter().zip(&offs).zip(&goal).all(|((of, off), goal)| off <= goal || of.eta == 0.0) {
+        if worst <= 1.0
+            || of.iter().zip(&offs).zip(&goal).all(|((of, off), goal)| off <= goal || of.eta == 0.0)
+        {
             break;
         }
         if worst_at_start.is_nan() {

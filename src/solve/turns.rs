@@ -25,8 +25,7 @@ impl Turns {
         let mut eigenvalues = reflectance.clone();
         let angles = DMatrix::from_fn(pairs.len(), reflectance.ncols(), |p, c| {
             let [front, back] = pairs[p];
-            let (block, tau) =
-                ([reflectance[(front, c)], reflectance[(back, c)]], transmittance[(p, c)]);
+            let (block, tau) = ([reflectance[(front, c)], reflectance[(back, c)]], transmittance[(p, c)]);
             let (angle, [larger, lesser]) = diagonalised(block, tau);
             (eigenvalues[(front, c)], eigenvalues[(back, c)]) = (larger, lesser);
             angle
@@ -127,15 +126,20 @@ mod tests {
 
     #[test]
     fn eigenvalues_and_vectors_make_the_block_again() {
-        let blocks =
-            [[0.5, 0.3, 0.25], [0.3, 0.5, 0.25], [0.0, 0.0, 0.8], [0.4, 0.4, 0.4], [0.7, 0.2, 0.0], [
-                0.0, 0.9, 1e-9,
-            ]];
+        let blocks = [
+            [0.5, 0.3, 0.25],
+            [0.3, 0.5, 0.25],
+            [0.0, 0.0, 0.8],
+            [0.4, 0.4, 0.4],
+            [0.7, 0.2, 0.0],
+            [0.0, 0.9, 1e-9],
+        ];
         for [a, b, tau] in blocks {
             let ([c, s], [larger, lesser]) = diagonalised([a, b], tau);
             let entry = |x: [f64; 2], y: [f64; 2]| larger * x[0] * y[0] + lesser * x[1] * y[1];
             let (front, back) = ([c, -s], [s, c]);
-            for (made, given) in [(entry(front, front), a), (entry(back, back), b), (entry(front, back), tau)] {
+            for (made, given) in [(entry(front, front), a), (entry(back, back), b), (entry(front, back), tau)]
+            {
                 assert!((made - given).abs() < 1e-15, "{a} {b} {tau}: {made} for {given}");
             }
             assert!((c * c + s * s - 1.0).abs() < 1e-15 && larger >= lesser);

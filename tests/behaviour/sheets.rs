@@ -3,14 +3,15 @@
 use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
-use radiosity::measure::{Budget, Energy, PathOptions, PathTracer};
+use radiosity::measure::{Budget, Energy, ErrorBars, PathOptions, PathTracer};
 use radiosity::patches::{Basis, PatchSize, Patches, Reach, Sheets, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Material, Scene, Side};
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Solution};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Exchange, FormFactors, Storage, StorageKind, TraceOptions, Transport};
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use radiosity::transport::{
+    Exchange, FormFactors, Keep, Reflection, Sources, Storage, StorageKind, TraceOptions, Transport,
+};
 
 use crate::scenes::{quads, room};
 
@@ -39,7 +40,7 @@ fn two_cubes(materials: [Material; 4]) -> Scene {
     faces.extend(room([1.0, 0.0, 0.0], [2.0, 1.0, 1.0]).into_iter().skip(1).map(|quad| (quad, 1)));
     // The wall at x = 1 of the first.
     faces[3].1 = 3;
-    let lamp = [[0.3, 0.99, 0.3], [0.7, 0.99, 0.3], [0.7, 0.99, 0.7], [0.3, 0.99, 0.7]];
+    let lamp = [[0.3, 0.8, 0.3], [0.7, 0.8, 0.3], [0.7, 0.8, 0.7], [0.3, 0.8, 0.7]];
     faces.push((lamp, 2));
     quads(&faces, materials.to_vec())
 }
@@ -78,26 +79,18 @@ fn a_furnace_is_exact_on_both_sides_of_a_sheet() {
         let scene = two_cubes([wall.clone(), Material { name: "other wall".into(), ..wall }, lamp, sheet]);
         let tracer = Tracer::new(&scene);
         for basis in BASES {
-            let options = Tessellation {
-                size: PatchSize::Count(300),
-                reach: Reach::Everything,
-                ..Default::default()
-            };
+            let options =
+                Tessellation { size: PatchSize::Count(300), reach: Reach::Everything, ..Default::default() };
             let mut patches = Patches::new(&tracer, &options).unwrap();
             let options = TraceOptions { rays: Some(128), basis, ..Default::default() };
             let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
             let k = Transport::of(&factors, &patches).unwrap();
-            // Only where nothing escapes: the outer sides of all walls see nothing and have no light.
-            let is_inside = |i: usize| patches.place(i).side == Side::Front || through > 0.0;
-            let emitted = |i: usize, _| if is_inside(i) { 1.0 } else { 0.0 };
-            let e = basis.coefficients_of(&DMatrix::from_fn(patches.len(), 1, emitted));
+            let e = DMatrix::repeat(k.len(), 1, 1.0);
             for solution in every_solver(&k, &e) {
                 let name = solution.report.name;
                 assert_eq!(name == "minres", name != "direct" && name != "neumann" && through > front);
                 let exact = 1.0 / (1.0 - passed_on);
-                let means = basis.means(&solution.radiance);
-                let inside = (0..patches.len()).filter(|&i| is_inside(i));
-                let worst = inside.map(|i| (means[(i, 0)] / exact - 1.0).abs()).fold(0.0, f64::max);
+                let worst = solution.radiance.iter().map(|l| (l / exact - 1.0).abs()).fold(0.0, f64::max);
                 assert!(worst < 1e-9, "{front} {back} {through} {basis:?} {name}: {worst}");
             }
         }
@@ -147,7 +140,7 @@ fn two_spheres_joined_by_a_translucent_window_have_their_closed_form() {
         ];
         for order in [[0, 1, 2, 3], [2, 0, 3, 1], [3, 2, 1, 0], [1, 3, 0, 2]] {
             let (factors, reflectance, sheets) = joined_spheres(order, rho, tau);
-            let k = Transport::with_sheets(&factors, reflectance, Some(sheets)).unwrap();
+            let k = Transport::new(&factors, Reflection { reflectance, sheets: Some(sheets) }).unwrap();
             let e = DMatrix::from_fn(4, 1, |a, _| if order[a] == 0 { 1.0 } else { 0.0 });
             for solution in every_solver(&k, &e) {
                 for (a, &i) in order.iter().enumerate() {
@@ -161,8 +154,6 @@ fn two_spheres_joined_by_a_translucent_window_have_their_closed_form() {
                 }
                 let energy = Energy::new(&k, &e, &solution.radiance, 1.0);
                 assert!(energy.imbalance < 1e-9, "{energy:?}");
-                let off = (solution.radiance[0] - exact[0]).abs() / exact[0];
-                assert!(off <= solution.report.bound + 1e-7, "{off} {:?}", solution.report);
             }
         }
     }
@@ -204,8 +195,7 @@ fn light_through_sheets_adds_up() {
     let e = Basis::Linear.coefficients_of(&patches.sources());
     let half = DMatrix::from_fn(e.nrows(), e.ncols(), |i, _| f64::from(i as u32 % 3));
     let solver = solve::direct(&k, &DirectOptions::default()).unwrap();
-    let [whole, one, other] =
-        [&e * 2.0 + &half, e, half].map(|e| solver.solve(&e).radiance);
+    let [whole, one, other] = [&e * 2.0 + &half, e, half].map(|e| solver.solve(&e).radiance);
     assert!(difference(&(2.0 * one + other), &whole) < 1e-12);
 }
 
@@ -219,7 +209,7 @@ fn light_comes_through_a_translucent_wall_and_through_no_other() {
         let behind = |i: usize| {
             let place = patches.place(i);
             let material = &scene.material_of(place.face).name;
-            material == "second" || (place.side == Side::Back && material != "first")
+            material == "second" || (place.side == Side::Back && material != "lamp")
         };
         let behind: Vec<usize> = (0..patches.len()).filter(|&i| behind(i)).collect();
         let least = behind.iter().map(|&i| solution.irradiance[(i, 0)]).fold(f64::INFINITY, f64::min);
@@ -284,26 +274,29 @@ fn light_paths_through_sheets_agree_with_the_matrix() {
         let scene = around(wall);
         let tracer = Tracer::new(&scene);
         for basis in BASES {
-            let (patches, factors) = factors(&scene, PatchSize::Count(3000), (basis, 512));
+            let size = PatchSize::Count(2000);
+            let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+            let options = TraceOptions { rays: Some(512), basis, keep: Keep::Rays, ..Default::default() };
+            let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
             let k = Transport::of(&factors, &patches).unwrap();
-            let e = basis.coefficients_of(&patches.sources());
-            let cg = CgOptions::default();
-            let solution = solve::conjugate_gradients(&k, &e, &cg).unwrap().means(basis);
-            let budget = Budget { paths: Some(2_000_000), ..Budget::default() };
+            let sources: Sources = basis.coefficients_of(&patches.sources()).into();
+            let e = sources.right_hand_side(&k);
+            let solution = solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap();
+            let bars = ErrorBars::of(&patches, &factors, &sources, &solution, Progress::default()).unwrap();
+            let budget = Budget { paths: Some(1_000_000), ..Budget::default() };
             let options = PathOptions { budget, ..Default::default() };
             let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
-            let ours = patches.average_by_face(&solution.irradiance);
-            let theirs = traced.by_face(&patches);
-            for (ours, theirs) in ours.iter().zip(&theirs) {
+            let ours = patches.average_by_face(&basis.means(&solution.irradiance));
+            for ((ours, bar), theirs) in ours.iter().zip(&bars.faces).zip(traced.by_face(&patches)) {
                 for c in 0..3 {
-                    // The matrix has noise and patches of its own.
-                    let error = theirs.standard_error[c].hypot(0.01 * theirs.mean[c]);
-                    let z = (ours.mean[c] - theirs.mean[c]) / error;
-                    println!("{basis:?} {} {:?} {c}: {} {} {z}", ours.face, ours.side, ours.mean[c], theirs.mean[c]);
-                    assert!(z.abs() < 4.0, "{basis:?} face {} {:?} channel {c}: z {z}", ours.face, ours.side);
+                    let (mean, error) = (ours.mean[c], bar.mean[c].hypot(theirs.standard_error[c]));
+                    let z = (mean - theirs.mean[c]) / error;
+                    let place = (basis, ours.face, ours.side, c);
+                    // Larger by chance in one of 60 000 cases, of which these are 300.
+                    assert!(z.abs() < 4.3, "{place:?}: {mean} ± {error}, light paths {}", theirs.mean[c]);
+                    assert!(error < 0.05 * mean, "{place:?}: {mean} ± {error}");
                 }
             }
         }
     }
-    let _ = StudentsT::new(0.0, 1.0, 7.0).map(|t| t.cdf(0.0));
 }
