@@ -237,19 +237,25 @@ impl<'s> Patches<'s> {
     ) -> Result<Self, PatchError> {
         let mut patches = Self::cut(tracer, edge, &mut Parting::new(tracer), options)?;
         match slots {
-            Some(slots) => patches.activate(slots),
+            Some(slots) => patches.activate_just(slots.iter().copied()),
             None => patches.reach(tracer, options, sides::LOOK)?,
         }
         Ok(patches)
     }
 
-    /// Makes the given slots patches too, with those on the other side of sheets, and numbers all patches anew.
+    /// Makes the given slots patches too, and those on the other side of sheets where light is looked for; numbers all patches anew.
     pub(crate) fn activate(&mut self, slots: &[u32]) {
-        for &slot in slots {
-            for slot in std::iter::once(slot).chain(self.across(slot)) {
-                if self.is_wanted(slot) {
-                    self.patch_of_slot[slot as usize] = 0;
-                }
+        let across: Vec<u32> = match self.reach {
+            Reach::Light => slots.iter().filter_map(|&slot| self.across(slot)).collect(),
+            Reach::Everything => Vec::new(),
+        };
+        self.activate_just(slots.iter().copied().chain(across));
+    }
+
+    fn activate_just(&mut self, slots: impl Iterator<Item = u32>) {
+        for slot in slots {
+            if self.is_wanted(slot) {
+                self.patch_of_slot[slot as usize] = 0;
             }
         }
         self.slot_of_patch = (0..self.patch_of_slot.len() as u32)

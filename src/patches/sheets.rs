@@ -53,8 +53,11 @@ impl Sheets {
 }
 
 impl Patches<'_> {
-    /// The pairs of patches between which light comes through sheets; none where no sheet lets light through.
+    /// The pairs of patches between which light comes through sheets; none where no sheet lets light through, or is a patch on both sides.
     pub fn sheets(&self) -> Option<Sheets> {
+        if !self.is_translucent {
+            return None;
+        }
         let fronts = (0..self.len()).filter(|&i| self.place(i).side == Side::Front);
         let pair = |front: usize| {
             let back = self.patch_of_slot(self.across(self.slot_of_patch(front))?)?;
@@ -71,12 +74,10 @@ impl Patches<'_> {
 
     /// Transmittance τ of each patch, n × c; none where no sheet lets light through.
     pub fn transmittances(&self) -> Option<DMatrix<f64>> {
-        let Sheets { pairs, transmittance } = self.sheets()?;
-        let mut tau = DMatrix::zeros(self.len(), transmittance.ncols());
-        for (pair, of_pair) in pairs.iter().zip(transmittance.row_iter()) {
-            pair.iter().for_each(|&i| tau.set_row(i, &of_pair));
-        }
-        Some(tau)
+        let of_face: Vec<usize> = (0..self.len()).map(|i| self.place(i).face).collect();
+        let tau =
+            |i: usize, c: usize| self.scene.material_of(of_face[i]).transmittance().map_or(0.0, |tau| tau[c]);
+        self.is_translucent.then(|| DMatrix::from_fn(self.len(), self.scene.channels(), tau))
     }
 
     /// The slot on the other side, where light comes through.
