@@ -177,14 +177,13 @@ fn signed(mut matrix: DMatrix<f64>, signs: &[i8]) -> Result<DMatrix<f64>, usize>
         MemStack::new(&mut MemBuffer::new(scratch)),
         Default::default(),
     );
-    let ldlt::factor::LdltError::ZeroPivot { index } = match result {
+    match result {
         Ok(_) => {
-            let wrong = |&i: &usize| !(matrix[(i, i)] * f64::from(signs[i]) > 0.0);
-            return (0..n).find(wrong).map_or(Ok(matrix), Err);
+            let is_right = |i: usize| matrix[(i, i)] * f64::from(signs[i]) > 0.0;
+            (0..n).find(|&i| !is_right(i)).map_or(Ok(matrix), Err)
         }
-        Err(error) => error,
-    };
-    Err(index)
+        Err(ldlt::factor::LdltError::ZeroPivot { index }) => Err(index),
+    }
 }
 
 /// L = E + R y with y from the factors of its channel.
