@@ -73,6 +73,10 @@
 //! Mirrors, metals and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
 //! beside it. Where they are coloured F differs by channel, see [`FormFactors::exchange_of`](transport::FormFactors::exchange_of).
 //!
+//! A [sheet](scene::Sheet) lets the part τ of what arrives on either side through to the other: there K = R F with a symmetric 2 × 2 block
+//! (ρ_front τ; τ ρ_back) of R in the place of ρ, and row by row L = Lₑ + (ρH + τH′)/π with H′ the irradiance of the other side; see
+//! [`Reflection`](transport::Reflection).
+//!
 //! Where a [texture](scene::Texture) varies ρ or Lₑ over a surface, patches have its mean; pictures show the texture itself.
 //!
 //! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take [`Sources`](transport::Sources) for what starts in them:

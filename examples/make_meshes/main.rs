@@ -15,6 +15,7 @@
 mod carriers;
 mod lit;
 mod measured;
+mod sheets;
 mod textured;
 
 use std::f64::consts::PI;
@@ -42,6 +43,7 @@ fn main() -> io::Result<ExitCode> {
         carriers::sun_catcher(),
         lit::daylit_room(),
         lit::spot_gallery(),
+        sheets::blinds(),
         textured::textured_room(),
         measured::office(),
         measured::pavilion(),

@@ -12,7 +12,7 @@ use crate::transport::{Sources, Transport};
 pub struct Energy {
     /// π Σ A Lₑ, and what lights without area send to surfaces: Σ A H₀, and what carriers keep of it on its way.
     pub emitted: Vec<f64>,
-    /// Σ (1 − ρ) A H with H recomputed from L.
+    /// Σ (1 − ρ − τ) A H with H recomputed from L.
     pub absorbed: Vec<f64>,
     /// π Σ A L F_i∞, what leaves the scene.
     pub escaped: Vec<f64>,
@@ -34,7 +34,7 @@ impl Energy {
     }
 
     /// Accounts for direct light alone: irradiance `direct` (N × c) by the lamps of `sources` and its lights without area, on surfaces of
-    /// the reflectances of `k`. What they reflect is cut short and counts as lost; what lamps send out that reaches nothing has escaped,
+    /// the reflectances of `k`. What they reflect or let through is cut short and counts as lost; what lamps send out that reaches nothing has escaped,
     /// and is told by what is left of the rest.
     ///
     /// # Panics
@@ -44,7 +44,7 @@ impl Energy {
         let of = |values: &DMatrix<f64>| -> Vec<f64> {
             values.column_iter().map(|column| unit * mass.sums().dot(&column)).collect()
         };
-        let reflected = of(&direct.component_mul(k.reflectance()));
+        let reflected = of(&direct.component_mul(&k.passed_on()));
         let arrived = of(direct);
         let [carriers, given_up] = kept(sources, k.channels(), unit);
         let emitted: Vec<f64> = sources.flux(mass).into_iter().map(|flux| unit * flux).collect();
@@ -74,7 +74,8 @@ impl Energy {
             (0..channels).map(|c| unit * (0..k.len()).map(|i| value(i, c)).sum::<f64>()).collect()
         };
         let emitted: Vec<f64> = sources.flux(k.mass()).into_iter().map(|flux| unit * flux).collect();
-        let absorbed = weigh(&|i, c| (1.0 - k.reflectance()[(i, c)]) * area[i] * irradiance[(i, c)]);
+        let passed_on = k.passed_on();
+        let absorbed = weigh(&|i, c| (1.0 - passed_on[(i, c)]) * area[i] * irradiance[(i, c)]);
         let escaped = weigh(&|i, c| PI * k.exchange_of(c).escape(i) * l[(i, c)]);
         let mut carriers = weigh(&|i, c| PI * k.exchange_of(c).absorbed(i) * l[(i, c)]);
         let mut lost = weigh(&|i, c| PI * k.exchange_of(c).lost(i) * l[(i, c)]);

@@ -220,7 +220,9 @@ fn write_npz(file: &mut dyn Write, table: &FactorTable) -> io::Result<()> {
     } else {
         let patches = table.patches;
         npz.array("centre", &[size, 3], (0..size).map(|i| patches.centre(i).to_array()))?;
-        for (name, values) in [("reflectance", patches.reflectances()), ("emission", patches.sources())] {
+        let mut by_channel = vec![("reflectance", patches.reflectances()), ("emission", patches.sources())];
+        by_channel.extend(patches.transmittances().map(|tau| ("transmittance", tau)));
+        for (name, values) in by_channel {
             let rows = values.row_iter().map(|row| row.iter().copied().collect::<Vec<f64>>());
             npz.array(name, &[size, values.ncols()], rows)?;
         }

@@ -3,7 +3,8 @@
 //! Each face is cut anew with a longer edge, and the patches whose centres lie in the same cell of it form a cluster. Where a face is too small
 //! to be cut any more coarsely, its patches are taken together with those of other faces of the same object, material and side: these are halved
 //! again and again across the direction in which their centres or their normals spread most. Where the light on them is known, what it tells apart is
-//! not taken together: the two sides of a wall would leak into each other.
+//! not taken together: the two sides of a wall would leak into each other. On sheets that let light through, the backs of a cluster's patches are
+//! a cluster too.
 
 use std::collections::HashMap;
 
@@ -47,7 +48,10 @@ impl Patches<'_> {
         };
         let coarse = Cuts::new(faces.map(uncut), self.edge * patches.sqrt());
         let mut cells: HashMap<(usize, bool, u32), (Slot, Vec<u32>)> = HashMap::new();
-        for i in 0..self.len() {
+        let sheets = self.sheets();
+        let mut is_mirrored = vec![false; self.len()];
+        sheets.iter().flat_map(|sheets| &sheets.pairs).for_each(|&[_, back]| is_mirrored[back] = true);
+        for i in (0..self.len()).filter(|&i| !is_mirrored[i]) {
             let place = self.place(i);
             let [a, b, c] = self.corners(i);
             let centre = [0, 1].map(|k| (a[k] + b[k] + c[k]) / 3.0);
@@ -73,6 +77,9 @@ impl Patches<'_> {
             }
         }
         self.pool(small, (patches, light), &mut clusters);
+        if let Some(sheets) = sheets {
+            clusters.mirror(&sheets.pairs);
+        }
         clusters
     }
 
@@ -116,8 +123,9 @@ impl Patches<'_> {
         let mut few = Vec::new();
         for alike in order.chunk_by_mut(|&a, &b| kind(a) == kind(b)) {
             let members: usize = alike.iter().map(|&cell| cells[cell].1.len()).sum();
-            // Where only a field is to be smoothed, what is too few by itself joins others nearby.
-            if light.is_none() && (members as f64) < 0.5 * patches {
+            // Where only a field is to be smoothed, what is too few by itself joins others nearby; fronts of sheets would take backs with them.
+            let is_sheet = self.scene.material_of(cells[alike[0]].0.face).transmittance().is_some();
+            if light.is_none() && (members as f64) < 0.5 * patches && !is_sheet {
                 few.extend_from_slice(alike);
             } else {
                 halving.halve(alike, clusters);
@@ -156,6 +164,16 @@ impl Clusters {
     fn add(&mut self, patches: &[u32]) {
         patches.iter().for_each(|&i| self.of_patch[i as usize] = self.count);
         self.count += 1;
+    }
+
+    /// Takes backs together as their fronts are.
+    fn mirror(&mut self, pairs: &[[usize; 2]]) {
+        let mut mirrored: HashMap<usize, usize> = HashMap::new();
+        for &[front, back] in pairs {
+            let next = self.count + mirrored.len();
+            self.of_patch[back] = *mirrored.entry(self.of_patch[front]).or_insert(next);
+        }
+        self.count += mirrored.len();
     }
 }
 

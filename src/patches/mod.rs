@@ -17,6 +17,7 @@ mod groups;
 mod locator;
 mod outlook;
 mod parts;
+mod sheets;
 mod sides;
 mod size;
 mod subdivide;
@@ -37,6 +38,7 @@ pub use clusters::Clusters;
 pub use groups::{Group, GroupBy, Groups};
 pub use outlook::{Outlook, Stretch};
 use parts::{Parting, Parts};
+pub use sheets::Sheets;
 pub use sides::Reach;
 use size::edge_for;
 pub use subdivide::Barycentrics;
@@ -119,6 +121,8 @@ pub struct Patches<'s> {
     /// Per patch, normalised frame.
     areas: Vec<f64>,
     edge: f64,
+    /// Whether light comes through any face.
+    is_translucent: bool,
 }
 
 /// The patch of a slot that is none.
@@ -228,6 +232,7 @@ impl<'s> Patches<'s> {
             slot_of_patch: Vec::new(),
             areas: Vec::new(),
             edge,
+            is_translucent: (0..faces).any(|f| kept(f) && scene.material_of(f).transmittance().is_some()),
         })
     }
 
@@ -240,15 +245,23 @@ impl<'s> Patches<'s> {
     ) -> Result<Self, PatchError> {
         let mut patches = Self::cut(tracer, edge, &mut Parting::new(tracer), options)?;
         match slots {
-            Some(slots) => patches.activate(slots),
+            Some(slots) => patches.activate_just(slots.iter().copied()),
             None => patches.reach(tracer, options, sides::LOOK)?,
         }
         Ok(patches)
     }
 
-    /// Makes the given slots patches too, and numbers all patches anew.
+    /// Makes the given slots patches too, and those on the other side of sheets where light is looked for; numbers all patches anew.
     pub(crate) fn activate(&mut self, slots: &[u32]) {
-        for &slot in slots {
+        let across: Vec<u32> = match self.reach {
+            Reach::Light => slots.iter().filter_map(|&slot| self.across(slot)).collect(),
+            Reach::Everything => Vec::new(),
+        };
+        self.activate_just(slots.iter().copied().chain(across));
+    }
+
+    fn activate_just(&mut self, slots: impl Iterator<Item = u32>) {
+        for slot in slots {
             if self.is_wanted(slot) {
                 self.patch_of_slot[slot as usize] = 0;
             }
@@ -377,7 +390,7 @@ impl<'s> Patches<'s> {
         }
     }
 
-    /// Whether a slot sends out light once light reaches it: it reflects, or is the front of a lamp. Where everything is
+    /// Whether a slot sends out light once light reaches it or its other side: it reflects, lets light through, or is the front of a lamp. Where everything is
     /// to be reached, all do.
     pub(crate) fn is_bright(&self, slot: u32) -> bool {
         if self.reach == Reach::Everything {
@@ -385,7 +398,8 @@ impl<'s> Patches<'s> {
         }
         let Slot { face, side, .. } = self.slot(slot);
         let material = self.scene.material_of(face);
-        let sends_on = material.reflects() && !self.scene.is_without(Feature::Interreflection);
+        let goes_on = material.reflects_on(side) || material.transmittance().is_some();
+        let sends_on = goes_on && !self.scene.is_without(Feature::Interreflection);
         (sends_on && self.is_wanted(slot)) || (side == Side::Front && material.emits())
     }
 
@@ -423,14 +437,14 @@ impl<'s> Patches<'s> {
         self.point(self.place(patch).face, [0, 1].map(|k| (a[k] + b[k] + c[k]) / 3.0))
     }
 
-    /// Reflectance ρ, n × c; where a texture varies it, its mean over the patch.
+    /// Reflectance ρ of each patch's side, n × c; where a texture varies it, its mean over the patch.
     pub fn reflectances(&self) -> DMatrix<f64> {
         let scene = self.scene;
-        let of_face: Vec<usize> = (0..self.len()).map(|i| self.place(i).face).collect();
+        let places: Vec<Slot> = (0..self.len()).map(|i| self.place(i)).collect();
         let mut rho = DMatrix::from_fn(self.len(), scene.channels(), |i, c| {
-            scene.material_of(of_face[i]).reflectance[c]
+            scene.material_of(places[i].face).reflectance_of(places[i].side)[c]
         });
-        self.vary(&mut rho, |i| scene.reflectance_texture(of_face[i]));
+        self.vary(&mut rho, |i| scene.reflectance_texture(places[i].face));
         rho
     }
 

@@ -22,6 +22,8 @@ pub struct Outlook {
     pub stretches: Vec<Stretch>,
     /// Per face and side: 1 for mirrors and glass, which have no patches.
     pub carriers: Vec<[f64; 2]>,
+    /// How many of the patches light reaches only through sheets.
+    pub through_sheets: f64,
     /// Cells of all faces, both sides counted: where light is looked for.
     pub slots: f64,
 }
@@ -40,7 +42,7 @@ pub struct Stretch {
 impl Outlook {
     /// Cuts by arithmetic.
     pub fn new(tracer: &Tracer, size: PatchSize) -> Self {
-        let sides = likely_sides(tracer);
+        let (sides, through) = likely_sides(tracer);
         let mut parting = Parting::new(tracer);
         let edge = match size {
             PatchSize::Edge(metres) => metres / tracer.frame().scale(),
@@ -65,6 +67,7 @@ impl Outlook {
             patches_of: patches_of.collect(),
             stretches,
             carriers: carriers.collect(),
+            through_sheets: through.into_iter().map(|face| cells[face]).sum(),
             slots: 2.0 * cells.iter().sum::<f64>(),
         }
     }
@@ -75,8 +78,9 @@ impl Outlook {
     }
 }
 
-/// Which sides of faces light probably reaches, 1 or 0, front first; all of a scene's where that would be none.
-fn likely_sides(tracer: &Tracer) -> Vec<[f64; 2]> {
+/// Which sides of faces light probably reaches, 1 or 0, front first; all of a scene's where that would be none. And the faces of which it reaches one
+/// side through the other.
+fn likely_sides(tracer: &Tracer) -> (Vec<[f64; 2]>, Vec<usize>) {
     let scene = tracer.scene();
     let from_outside = scene.sky().is_some() || scene.lights().next().is_some();
     let kept: Vec<usize> = (0..scene.faces().len()).filter(|&f| scene.is_diffuse(f)).collect();
@@ -91,6 +95,7 @@ fn likely_sides(tracer: &Tracer) -> Vec<[f64; 2]> {
         normal.dot(farthest - p) > 1e-9
     };
     let mut sides = vec![[0.0; 2]; scene.faces().len()];
+    let mut through = Vec::new();
     for (inside, face) in sides_of_surfaces(tracer, &kept).into_iter().zip(&kept) {
         for (k, side) in Side::BOTH.into_iter().enumerate() {
             let lit = inside.is_none_or(|inside| inside == side) && looks_at_something(*face, side);
@@ -98,11 +103,16 @@ fn likely_sides(tracer: &Tracer) -> Vec<[f64; 2]> {
             let lit = lit && (side == Side::Front || !scene.is_without(Feature::BackSides));
             sides[*face][k] = f64::from(u8::from(lit));
         }
+        // What comes through a sheet lights its other side.
+        if scene.material_of(*face).transmittance().is_some() && sides[*face][0] != sides[*face][1] {
+            sides[*face] = [1.0; 2];
+            through.push(*face);
+        }
     }
     if sides.iter().flatten().all(|&side| side == 0.0) {
         kept.iter().for_each(|&face| sides[face] = [1.0; 2]);
     }
-    sides
+    (sides, through)
 }
 
 /// For each of these faces the side that light reaches, if the surface it belongs to has no rim: the inside of the one that holds

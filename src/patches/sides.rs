@@ -1,7 +1,7 @@
 //! Sides: which slots light can reach, and so become patches.
 //!
 //! Reached is a flag per slot. Lamps are reached, and what lights without area and the sky shine on; from every reached slot that reflects or emits, light goes on to what its rays meet
-//! and to what sees it, until nothing new turns up. What no light reaches costs nothing and stays exactly zero.
+//! and to what sees it, until nothing new turns up; where a sheet lets light through, both of its sides are reached at once. What no light reaches costs nothing and stays exactly zero.
 
 use rayon::prelude::*;
 
@@ -96,6 +96,7 @@ impl Patches<'_> {
         loop {
             // Let the newest slots send light on.
             while !wave.is_empty() {
+                self.go_through(&mut wave, &mut reached);
                 options.progress.at("patch", 0.3)?;
                 let looks = self.look(tracer, &wave, rays, options.seed);
                 let mut next = Vec::new();
@@ -130,6 +131,13 @@ impl Patches<'_> {
             wave.iter().for_each(|&s| reached[s as usize] = true);
         }
         Ok((0..slots as u32).filter(|&s| reached[s as usize]).collect())
+    }
+
+    /// Lets light through sheets: adds the other sides that it reaches now.
+    fn go_through(&self, wave: &mut Vec<u32>, reached: &mut [bool]) {
+        let across: Vec<u32> = wave.iter().filter_map(|&slot| self.across(slot)).collect();
+        let new = across.into_iter().filter(|&slot| !std::mem::replace(&mut reached[slot as usize], true));
+        wave.extend(new);
     }
 
     /// The slots on which a few rays from each of `slots` land, each once.

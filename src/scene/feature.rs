@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{FaceState, Material, Scene, SkyKind, Surface, Textures, luminance};
+use super::{FaceState, Material, Scene, Sheet, SkyKind, Surface, Textures, luminance};
 
 /// Something that a scene can do without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,8 +12,10 @@ pub enum Feature {
     Interreflection,
     /// What channels differ in. Without it all colours are greys of the same luminance.
     Colour,
-    /// Backs of faces. Without them a back is black, and nothing is known of the light on it.
+    /// Backs of faces. Without them a back is black, nothing comes through, and nothing is known of the light on it.
     BackSides,
+    /// Light through sheets. Without it they absorb what they would let through.
+    Transmission,
     /// Mirrors. Without them they are diffuse surfaces of the same reflectance.
     Mirror,
     /// Glass and water. Without them they are not there.
@@ -39,8 +41,14 @@ impl Scene {
     #[must_use]
     pub fn without(mut self, feature: Feature) -> Self {
         match feature {
-            // Whoever simulates asks for these two.
-            Feature::Interreflection | Feature::BackSides => {}
+            // Whoever simulates asks for this one.
+            Feature::Interreflection => {}
+            // And for backs; what comes through needs them.
+            Feature::BackSides | Feature::Transmission => {
+                for sheet in self.materials.iter_mut().filter_map(|material| material.sheet.as_mut()) {
+                    sheet.transmittance.fill(0.0);
+                }
+            }
             Feature::Colour => self.turn_grey(),
             Feature::Mirror | Feature::Gloss => self.materials.iter_mut().for_each(|material| {
                 let reflectance = match (&material.surface, feature) {
@@ -99,6 +107,7 @@ impl Scene {
             grey(&mut material.reflectance);
             grey(&mut material.emission);
             material.surface.colour_mut().into_iter().for_each(grey);
+            material.sheet.iter_mut().flat_map(Sheet::colours_mut).for_each(grey);
             let Textures { reflectance, emission } = &mut material.textures;
             let pictures = reflectance.iter_mut().chain(emission);
             pictures.for_each(|picture| picture.pixels = Arc::new(picture.pixels.grey()));

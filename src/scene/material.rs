@@ -1,6 +1,6 @@
 //! Material: how a surface reflects and emits.
 
-use super::{Texture, Textures};
+use super::{Sheet, Side, Texture, Textures};
 
 /// How a surface passes light on.
 ///
@@ -107,12 +107,14 @@ impl Surface {
 pub struct Material {
     /// Name, as faces refer to it.
     pub name: String,
-    /// Diffuse reflectance (albedo) ρ of both sides, per channel, 0 to 1.
+    /// Diffuse reflectance (albedo) ρ of both sides, or of the front where a sheet's back has its own, per channel, 0 to 1.
     pub reflectance: Vec<f64>,
     /// Emitted radiance Lₑ of the front side, per channel, W·sr⁻¹·m⁻².
     pub emission: Vec<f64>,
     /// How the surface passes light on. Carriers neither reflect diffusely nor emit.
     pub surface: Surface,
+    /// What diffuse surfaces let through, and what their back reflects, where that is not nothing and as the front does.
+    pub sheet: Option<Sheet>,
     /// Pictures by which reflectance and emission vary over faces; what they say is multiplied by these. Carriers have none.
     pub textures: Textures,
 }
@@ -125,6 +127,7 @@ impl Material {
             reflectance: reflectance.to_vec(),
             emission: vec![0.0; reflectance.len()],
             surface: Surface::Diffuse,
+            sheet: None,
             textures: Textures::default(),
         }
     }
@@ -168,9 +171,14 @@ impl Material {
         brightest(&self.emission, self.textures.emission.as_ref()).any(|e| e > 0.0)
     }
 
-    /// Whether some light is reflected in some channel, somewhere at least.
+    /// Whether either side reflects some light in some channel, somewhere at least.
     pub fn reflects(&self) -> bool {
-        brightest(&self.reflectance, self.textures.reflectance.as_ref()).any(|r| r > 0.0)
+        Side::BOTH.into_iter().any(|side| self.reflects_on(side))
+    }
+
+    /// Whether a side reflects some light in some channel, somewhere at least.
+    pub fn reflects_on(&self, side: Side) -> bool {
+        brightest(self.reflectance_of(side), self.textures.reflectance.as_ref()).any(|r| r > 0.0)
     }
 
     /// What is not physical about it, if anything.
@@ -199,13 +207,25 @@ impl Material {
                     .into(),
             );
         }
+        if let Some(sheet) = &self.sheet {
+            if self.surface != Surface::Diffuse {
+                return Err(
+                    "only diffuse surfaces let light through diffusely or have a back of another colour; remove `transmittance` and \
+                     `reflectance_back`, or give them to a material of its own"
+                        .into(),
+                );
+            }
+            sheet.check(&self.reflectance, self.textures.reflectance.as_ref())?;
+        }
         self.surface.check()
     }
 
     /// Whether every colour has this many channels.
     pub(super) fn has_channels(&self, channels: usize) -> bool {
         let surface = self.surface.colour().is_none_or(|colour| colour.len() == channels);
-        self.reflectance.len() == channels && self.emission.len() == channels && surface
+        let colours = self.sheet.iter().flat_map(Sheet::colours);
+        let mut colours = colours.chain([&self.reflectance, &self.emission]);
+        colours.all(|colour| colour.len() == channels) && surface
     }
 
     /// Keeps the first channel only.
@@ -213,13 +233,19 @@ impl Material {
         self.reflectance.truncate(1);
         self.emission.truncate(1);
         self.surface.colour_mut().into_iter().for_each(|colour| colour.truncate(1));
+        self.sheet.iter_mut().flat_map(Sheet::colours_mut).for_each(|colour| colour.truncate(1));
     }
 
     /// Whether all channels agree.
     pub(super) fn is_grey(&self) -> bool {
         let flat = |v: &[f64]| v.iter().all(|&x| x == v[0]);
         let textures = self.textures.all().all(|texture| texture.pixels.is_grey());
-        textures && flat(&self.reflectance) && flat(&self.emission) && self.surface.colour().is_none_or(flat)
+        let sheet = self.sheet.iter().flat_map(Sheet::colours).all(|colour| flat(colour));
+        textures
+            && sheet
+            && flat(&self.reflectance)
+            && flat(&self.emission)
+            && self.surface.colour().is_none_or(flat)
     }
 }
 

@@ -22,6 +22,7 @@ mod picture_file;
 mod pixels;
 mod receiver;
 mod settings;
+mod sheet;
 mod sky;
 mod texture;
 
@@ -38,6 +39,7 @@ pub use material::{Material, Surface};
 pub use photometry::{EFFICACY, luminance};
 pub use pixels::{Beyond, Pixels};
 pub use receiver::Receiver;
+pub use sheet::Sheet;
 pub use sky::{Sky, SkyKind, SkyShares};
 pub use texture::{FaceTexture, Texture, Textures};
 
@@ -55,6 +57,14 @@ pub enum Side {
 impl Side {
     /// Both sides, front first.
     pub const BOTH: [Side; 2] = [Side::Front, Side::Back];
+
+    /// The side across.
+    pub fn other(self) -> Self {
+        match self {
+            Side::Front => Side::Back,
+            Side::Back => Side::Front,
+        }
+    }
 
     /// `front` or `back`, as tables spell it.
     pub fn name(self) -> &'static str {

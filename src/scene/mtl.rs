@@ -207,6 +207,7 @@ fn material(
         reflectance: kd.to_vec(),
         emission: emission.to_vec(),
         surface,
+        sheet: None,
         textures,
     })
 }

@@ -9,7 +9,7 @@ use toml::Spanned;
 
 use super::light_settings::{LightSettings, SkySettings};
 use super::photometry::EFFICACY;
-use super::{Camera, Receiver, SceneError, SceneParts, Surface};
+use super::{Camera, Material, Receiver, SceneError, SceneParts, Sheet, Surface};
 
 /// The content of a scene's `.toml`.
 #[derive(Debug, Deserialize)]
@@ -56,6 +56,10 @@ struct ReceiverSettings {
 #[serde(deny_unknown_fields)]
 struct MaterialSettings {
     reflectance: Option<Colour>,
+    /// Of the back; as of the front if not given.
+    reflectance_back: Option<Colour>,
+    /// What comes through, diffusely; nothing if not given.
+    transmittance: Option<Colour>,
     emission: Option<Colour>,
     /// Of rough conductors, 0 to 1.
     roughness: Option<f64>,
@@ -120,7 +124,7 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
         let Some(material) = parts.materials.iter_mut().find(|m| m.name == name) else {
             return Err(wrong("no face or library has it; remove it or correct its name".into()));
         };
-        let MaterialSettings { reflectance, emission, roughness, thin } = given.get_ref();
+        let MaterialSettings { reflectance, emission, roughness, thin, .. } = given.get_ref();
         if let Some(reflectance) = reflectance {
             match &mut material.surface {
                 Surface::Mirror { reflectance: mirrored } => *mirrored = reflectance.channels(),
@@ -149,6 +153,7 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
         if let Some(emission) = emission {
             material.emission = emission.channels();
         }
+        make_sheet(material, given.get_ref(), &mut parts.warnings);
         material.check().map_err(wrong)?;
     }
     let efficacy = settings.efficacy.as_ref().map_or(EFFICACY, |efficacy| *efficacy.get_ref());
@@ -174,4 +179,24 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
         parts.sky = Some(sky.map_err(|message| error(given.span().start, format!("sky: {message}")))?);
     }
     Ok(())
+}
+
+/// Gives a material a back and a transmittance of its own, where the settings do.
+fn make_sheet(material: &mut Material, settings: &MaterialSettings, warnings: &mut Vec<String>) {
+    let MaterialSettings { reflectance_back, transmittance, .. } = settings;
+    if reflectance_back.is_none() && transmittance.is_none() {
+        return;
+    }
+    if material.surface == Surface::Plastic {
+        warnings.push(format!(
+            "material {}: sheets are matt; its gloss (Pr, Pm or illum 5) is left out",
+            material.name
+        ));
+        material.surface = Surface::Diffuse;
+    }
+    let given = |colour: &Option<Colour>| colour.as_ref().map(Colour::channels);
+    material.sheet = Some(Sheet {
+        reflectance_back: given(reflectance_back).unwrap_or_else(|| material.reflectance.clone()),
+        transmittance: given(transmittance).unwrap_or_else(|| vec![0.0; material.reflectance.len()]),
+    });
 }

@@ -3,15 +3,15 @@
 //! K ≥ 0, so ‖(I − K)⁻¹‖∞ = max w with w = (I − K)⁻¹1. From any ŵ with ‖1 − (I − K)ŵ‖∞ ≤ ε < 1 follows the guaranteed
 //! bound max w ≤ max ŵ / (1 − ε), so that a rough ŵ will do.
 //!
-//! For linear elements K = diag(ρ) M⁻¹S has negative entries and none of this holds. There errors are measured by √(∫ L² dA): with
+//! For linear elements K = R M⁻¹S has negative entries and none of this holds. There errors are measured by √(∫ L² dA): with
 //! the symmetric form, (I − K)⁻¹r = r + R (I − R S R)⁻¹ R S r, so that an error is at most 1 + ρ_max/(1 − λ) times its residual, with λ
 //! the largest eigenvalue of R S R and ‖M^(−½) S M^(−½)‖ = 1. λ is found by Lanczos' method, from below: the bound is an
-//! *estimate*.
+//! *estimate*. With sheets it is 1 + |λ|_max(P)/(1 − λ): a quasi-definite matrix has no eigenvalue nearer to 0 than its two definite
+//! blocks have.
 
 use nalgebra::DMatrix;
 
-use super::conjugate_gradient::iterate;
-use super::symmetric::Root;
+use super::symmetric::{Root, iterate};
 use super::{CgOptions, SolveError, bounce, relative};
 use crate::patches::Basis;
 use crate::progress::Progress;
@@ -47,7 +47,7 @@ impl Amplification {
         }
         let ones = DMatrix::repeat(k.len(), k.channels(), 1.0);
         let rough = CgOptions { tolerance: 0.05, ..*options };
-        let (w, _) = iterate(k, &ones, &rough)?;
+        let (w, ..) = iterate(k, &ones, &rough)?;
         Ok(Self::from_rough(k, w))
     }
 
@@ -62,8 +62,8 @@ impl Amplification {
 
     /// The estimate for linear elements.
     pub(super) fn estimate(k: &Transport, progress: Progress) -> Result<Self, SolveError> {
-        let most_reflected: Vec<f64> = k.reflectance().column_iter().map(|column| column.max()).collect();
         let root = Root::new(k);
+        let most_reflected = root.largest();
         // Start near what is even and lasts longest.
         let mut start = DMatrix::from_iterator(k.len(), 1, uneven(k.len()));
         start.column_mut(0).zip_apply(k.mass().sums(), |x, sum| *x *= sum.sqrt());
@@ -72,11 +72,14 @@ impl Amplification {
         let ends = ends_of_spectrum(start, |x| {
             progress.at("solve", 0.0)?;
             k.through(&root.times(x), &mut through);
-            Ok::<_, SolveError>(root.times(&through))
+            Ok::<_, SolveError>(root.transposed_times(&through))
         })?;
-        let inverse_norm = most_reflected.iter().zip(&ends).map(|(&rho, &[_, eigenvalue])| {
-            if eigenvalue < 1.0 { 1.0 + rho / (1.0 - eigenvalue) } else { f64::INFINITY }
-        });
+        // Where J has −1, I + RᵀSR counts there as I − RᵀSR does elsewhere.
+        let inverse_norm =
+            most_reflected.iter().zip(&ends).enumerate().map(|(c, (&rho, &[least, greatest]))| {
+                let farthest = if root.signs(c).is_some() { greatest.max(-least) } else { greatest };
+                if farthest < 1.0 { 1.0 + rho / (1.0 - farthest) } else { f64::INFINITY }
+            });
         Ok(Self {
             inverse_norm: inverse_norm.collect(),
             norm: most_reflected,

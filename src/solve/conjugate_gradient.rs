@@ -1,11 +1,12 @@
 //! Conjugate gradients on the symmetric form of the radiosity equation (Hestenes & Stiefel 1952).
 //!
 //! With R = √ρ M^(−½), y = R S L solves (I − R S R) y = R S E, which is symmetric positive definite; then
-//! L = E + R y. All channels go through the matrix in one pass.
+//! L = E + R y. All channels go through the matrix in one pass. Sheets that let through more than they reflect make the form indefinite; there
+//! MINRES takes its place, under the same options.
 
 use nalgebra::DMatrix;
 
-use super::symmetric::Root;
+use super::symmetric::{self, Root};
 use super::{Amplification, Solution, SolveError, finish, relative};
 use crate::progress::Progress;
 use crate::transport::Transport;
@@ -30,7 +31,7 @@ impl Default for CgOptions<'_> {
     }
 }
 
-/// Solves L = E + K L by conjugate gradients.
+/// Solves L = E + K L by conjugate gradients, or by MINRES where sheets let through more than they reflect.
 ///
 /// # Errors
 /// `NotConverged`, with the best iterate, or `Cancelled`.
@@ -43,8 +44,8 @@ pub fn conjugate_gradients(
     options: &CgOptions,
 ) -> Result<Solution, SolveError> {
     let amplification = Amplification::known_or_new(options.amplification, k, options)?;
-    let (radiance, iterations) = iterate(k, e, options)?;
-    let solution = finish(k, e, &radiance, ("cg", iterations), &amplification);
+    let (radiance, iterations, name) = symmetric::iterate(k, e, options)?;
+    let solution = finish(k, e, &radiance, (name, iterations), &amplification);
     options.progress.at("solve", 1.0)?;
     if solution.report.residual > options.tolerance {
         return Err(SolveError::NotConverged { best: Box::new(solution), tolerance: options.tolerance });
@@ -54,24 +55,24 @@ pub fn conjugate_gradients(
 
 /// Iterates until the residual of L = E + R y is small in every channel; answers L and the number of passes.
 pub(super) fn iterate(
+    root: &Root,
     k: &Transport,
     e: &DMatrix<f64>,
     options: &CgOptions,
 ) -> Result<(DMatrix<f64>, usize), SolveError> {
     let (n, channels) = e.shape();
     assert_eq!((n, channels), (k.len(), k.channels()), "the right-hand side is N × c");
-    let root = Root::new(k);
     let goal: Vec<f64> = e.column_iter().map(|column| options.tolerance * column.amax()).collect();
     let mut through = DMatrix::zeros(n, channels);
     k.through(e, &mut through);
     let mut passes = 1;
-    let mut r = root.times(&through);
+    let mut r = root.transposed_times(&through);
     let mut y = DMatrix::zeros(n, channels);
     let mut p = r.clone();
     let mut rr: Vec<f64> = r.column_iter().map(|column| column.norm_squared()).collect();
     let mut worst_at_start = f64::NAN;
     while passes < options.iterations {
-        // The residual of L is R r.
+        // The residual of L is R r, for J = I.
         let offs: Vec<f64> = root.times(&r).column_iter().map(|column| column.amax()).collect();
         let worst = (0..channels).map(|c| relative(offs[c], goal[c])).fold(0.0, f64::max);
         if worst <= 1.0 {
@@ -81,10 +82,10 @@ pub(super) fn iterate(
             worst_at_start = worst;
         }
         options.progress.at("solve", (1.0 - worst.ln() / worst_at_start.ln()).clamp(0.0, 0.99))?;
-        // q = (I − RSR) p
+        // q = (I − RᵀSR) p
         k.through(&root.times(&p), &mut through);
         passes += 1;
-        let q = &p - root.times(&through);
+        let q = &p - root.transposed_times(&through);
         for c in 0..channels {
             let curvature = p.column(c).dot(&q.column(c));
             if offs[c] <= goal[c] || curvature <= 0.0 {

@@ -1,17 +1,18 @@
 //! The direct solver: Cholesky factors of the symmetric form.
 //!
 //! With R = √ρ M^(−½), the matrix I − R S R is symmetric positive definite, has a unit scale whatever the patch areas, and
-//! does not mind ρ = 0. It is factored once per distinct ρ; channels with the same reflectances share their factor,
+//! does not mind ρ = 0. Where sheets let through more than they reflect it is J − RᵀSR, quasi-definite, with factors L D Lᵀ in the place of
+//! Cholesky's. It is factored once per distinct ρ; channels with the same reflectances share their factor,
 //! unless coloured carriers make their exchange areas differ.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt;
+use faer::linalg::cholesky::{ldlt, llt};
 use faer::{MatMut, MatRef, Par};
 use nalgebra::DMatrix;
 
 use super::symmetric::Root;
 use super::{Amplification, Solution, SolveError, finish};
-use crate::patches::Basis;
+use crate::patches::{Basis, Sheets};
 use crate::progress::Progress;
 use crate::transport::{Transport, is_quickly_factored};
 
@@ -36,11 +37,20 @@ impl Default for DirectOptions<'_> {
 pub struct Direct<'k> {
     k: &'k Transport<'k>,
     root: Root<'k>,
-    /// Lower triangular Cholesky factors, one per distinct ρ.
-    factors: Vec<DMatrix<f64>>,
+    /// One per distinct ρ and τ.
+    factors: Vec<Factor>,
     /// Which factor a channel uses.
     factor_of: Vec<usize>,
     amplification: Amplification,
+}
+
+/// Lower triangular factors of a symmetric matrix.
+#[derive(Debug)]
+enum Factor {
+    /// L of L Lᵀ.
+    Cholesky(DMatrix<f64>),
+    /// L of L D Lᵀ, with D in the place of the ones on its diagonal.
+    Signed(DMatrix<f64>),
 }
 
 /// How work is split inside a factorization. Fixed, so that the answer has the same bits on any number of threads.
@@ -111,8 +121,12 @@ pub(crate) fn factor_bytes(k: &Transport) -> u64 {
 /// For each channel the index of its factor, and for each factor its first channel.
 fn distinct_channels(k: &Transport) -> (Vec<usize>, Vec<usize>) {
     let reflectance = k.reflectance();
-    let alike =
-        |a: usize, b: usize| reflectance.column(a) == reflectance.column(b) && k.tone_of(a) == k.tone_of(b);
+    let alike = |a: usize, b: usize| {
+        let through = |sheets: &Sheets| sheets.transmittance.column(a) == sheets.transmittance.column(b);
+        reflectance.column(a) == reflectance.column(b)
+            && k.tone_of(a) == k.tone_of(b)
+            && k.sheets().is_none_or(through)
+    };
     let mut distinct: Vec<usize> = Vec::new();
     let factor_of = (0..reflectance.ncols())
         .map(|c| {
@@ -125,10 +139,19 @@ fn distinct_channels(k: &Transport) -> (Vec<usize>, Vec<usize>) {
     (factor_of, distinct)
 }
 
-/// The lower Cholesky factor of I − R S R in one channel.
-fn factor(k: &Transport, root: &Root, channel: usize) -> Result<DMatrix<f64>, SolveError> {
-    let n = k.len();
-    let mut matrix = root.matrix(channel);
+/// The factor of J − RᵀSR in one channel.
+fn factor(k: &Transport, root: &Root, channel: usize) -> Result<Factor, SolveError> {
+    let matrix = root.matrix(channel);
+    let factor = match root.signs(channel) {
+        None => cholesky(matrix).map(Factor::Cholesky),
+        Some(signs) => signed(matrix, &signs).map(Factor::Signed),
+    };
+    factor.map_err(|index| SolveError::Singular { patch: index / k.basis().coefficients() })
+}
+
+/// L of a positive definite matrix L Lᵀ, or the row where it turns out not to be.
+fn cholesky(mut matrix: DMatrix<f64>) -> Result<DMatrix<f64>, usize> {
+    let n = matrix.nrows();
     let scratch = llt::factor::cholesky_in_place_scratch::<f64>(n, split(), Default::default());
     let result = llt::factor::cholesky_in_place(
         MatMut::from_column_major_slice_mut(matrix.as_mut_slice(), n, n),
@@ -139,9 +162,27 @@ fn factor(k: &Transport, root: &Root, channel: usize) -> Result<DMatrix<f64>, So
     );
     match result {
         Ok(_) => Ok(matrix),
-        Err(llt::factor::LltError::NonPositivePivot { index }) => {
-            Err(SolveError::Singular { patch: index / k.basis().coefficients() })
+        Err(llt::factor::LltError::NonPositivePivot { index }) => Err(index),
+    }
+}
+
+/// L and D of a quasi-definite matrix L D Lᵀ with D of these signs, or the row where it turns out to have others.
+fn signed(mut matrix: DMatrix<f64>, signs: &[i8]) -> Result<DMatrix<f64>, usize> {
+    let n = matrix.nrows();
+    let scratch = ldlt::factor::cholesky_in_place_scratch::<f64>(n, split(), Default::default());
+    let result = ldlt::factor::cholesky_in_place(
+        MatMut::from_column_major_slice_mut(matrix.as_mut_slice(), n, n),
+        Default::default(),
+        split(),
+        MemStack::new(&mut MemBuffer::new(scratch)),
+        Default::default(),
+    );
+    match result {
+        Ok(_) => {
+            let is_right = |i: usize| matrix[(i, i)] * f64::from(signs[i]) > 0.0;
+            (0..n).find(|&i| !is_right(i)).map_or(Ok(matrix), Err)
         }
+        Err(ldlt::factor::LdltError::ZeroPivot { index }) => Err(index),
     }
 }
 
@@ -149,22 +190,31 @@ fn factor(k: &Transport, root: &Root, channel: usize) -> Result<DMatrix<f64>, So
 fn back_substitute(
     k: &Transport,
     root: &Root,
-    factors: &[DMatrix<f64>],
+    factors: &[Factor],
     factor_of: &[usize],
     e: &DMatrix<f64>,
 ) -> DMatrix<f64> {
     let n = k.len();
     let mut y = DMatrix::zeros(n, e.ncols());
     k.through(e, &mut y);
-    let mut y = root.times(&y);
+    let mut y = root.transposed_times(&y);
     for (c, &f) in factor_of.iter().enumerate() {
-        let scratch = llt::solve::solve_in_place_scratch::<f64>(n, 1, split());
-        llt::solve::solve_in_place(
-            MatRef::from_column_major_slice(factors[f].as_slice(), n, n),
-            MatMut::from_column_major_slice_mut(y.column_mut(c).as_mut_slice(), n, 1),
-            split(),
-            MemStack::new(&mut MemBuffer::new(scratch)),
-        );
+        let mut column = y.column_mut(c);
+        let y = MatMut::from_column_major_slice_mut(column.as_mut_slice(), n, 1);
+        match &factors[f] {
+            Factor::Cholesky(l) => {
+                let scratch = llt::solve::solve_in_place_scratch::<f64>(n, 1, split());
+                let stack = &mut MemBuffer::new(scratch);
+                let l = MatRef::from_column_major_slice(l.as_slice(), n, n);
+                llt::solve::solve_in_place(l, y, split(), MemStack::new(stack));
+            }
+            Factor::Signed(l) => {
+                let scratch = ldlt::solve::solve_in_place_scratch::<f64>(n, 1, split());
+                let stack = &mut MemBuffer::new(scratch);
+                let l = MatRef::from_column_major_slice(l.as_slice(), n, n);
+                ldlt::solve::solve_in_place(l, l.diagonal(), y, split(), MemStack::new(stack));
+            }
+        }
     }
     e + root.times(&y)
 }

@@ -3,7 +3,7 @@
 //! | solver | how | when |
 //! |---|---|---|
 //! | [`direct()`] | Cholesky factors of the symmetric form, any number of right-hand sides | up to some thousand patches |
-//! | [`conjugate_gradients`] | conjugate gradients on the same form | any size |
+//! | [`conjugate_gradients`] | conjugate gradients on the same form, MINRES where sheets make it indefinite | any size |
 //! | [`neumann()`] | E + KE + K²E + …, a bounce of light each | to see how light builds up |
 //!
 //! Each takes the operator and the right-hand side E (N × c, a row per coefficient) and answers a [`Solution`] that carries its own [`Report`].
@@ -11,8 +11,10 @@
 mod amplification;
 mod conjugate_gradient;
 mod direct;
+mod minres;
 mod neumann;
 mod symmetric;
+mod turns;
 
 use nalgebra::DMatrix;
 
@@ -31,7 +33,7 @@ use crate::transport::{Sources, Transport, readable};
 /// N is the number of coefficients: of patches n, or 3n for linear elements.
 #[derive(Clone)]
 pub struct Solution {
-    /// Radiance L, N × c, W·sr⁻¹·m⁻². Row by row Lₑ + ρH/π.
+    /// Radiance L, N × c, W·sr⁻¹·m⁻². Row by row Lₑ + ρH/π, and on sheets τ/π times H of the other side more.
     pub radiance: DMatrix<f64>,
     /// Irradiance H, N × c, W·m⁻²; less that by lights without area where [`Solution::under`] has not added it.
     pub irradiance: DMatrix<f64>,
@@ -74,7 +76,7 @@ impl std::fmt::Debug for Solution {
 /// What a solver says of its answer.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Report {
-    /// `direct`, `cg` or `neumann`.
+    /// `direct`, `cg`, `minres` (conjugate gradients where sheets let through more than they reflect) or `neumann`.
     pub name: &'static str,
     /// Passes over the matrix; 0 for the direct solver.
     pub iterations: usize,
@@ -106,9 +108,9 @@ pub enum SolveError {
         /// Bytes allowed.
         limit: u64,
     },
-    /// The symmetric matrix turned out not to be positive definite.
+    /// The symmetric matrix turned out not to be positive definite, or quasi-definite with sheets.
     #[error(
-        "the matrix is singular to working precision at patch {patch}; some reflectance is too close to 1 for a scene so closed"
+        "the matrix is singular to working precision at patch {patch}; some reflectance, or its sum with a transmittance, is too close to 1 for a scene so closed"
     )]
     Singular {
         /// The patch at which factorization stopped.

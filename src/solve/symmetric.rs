@@ -3,40 +3,102 @@
 //! With R = √ρ M^(−½), which is symmetric and works on each patch by itself, y = R S L solves (I − R S R) y = R S E; then
 //! L = E + R y. The matrix is symmetric, unit-scaled whatever the areas, indifferent to ρ = 0, and positive definite. For constant
 //! elements R is a diagonal, √(ρ/A).
+//!
+//! On the two sides of a sheet, which have one mass, ρ becomes the block P = (ρ_front τ; τ ρ_back). With its eigenvalues in P = V Λ Vᵀ, the signs J
+//! of these and R = V |Λ|^½ M^(−½), R J Rᵀ is P M⁻¹, and y = J Rᵀ S L solves
+//!
+//! (J − Rᵀ S R) y = Rᵀ S E; then L = E + R y.
+//!
+//! All |λ| ≤ 1, as rows of P sum to no more, and the eigenvalues of M^(−½) S M^(−½) lie between −1 and 1. So the matrix is positive definite on the
+//! unknowns of J = 1 and negative definite on those of J = −1, which are there where τ² > ρ_front ρ_back: *quasi-definite*, with
+//! factors L D Lᵀ in any order of the unknowns (Vanderbei 1995). Where no λ is negative, J = I and all is as without sheets.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use super::conjugate_gradient::{self, CgOptions};
+use super::turns::Turns;
+use super::{SolveError, minres};
 use crate::patches::Basis;
 use crate::transport::Transport;
 
-/// R = √ρ M^(−½).
+/// R = √ρ M^(−½), or V |Λ|^½ M^(−½) on sheets.
 #[derive(Debug)]
 pub(super) struct Root<'k> {
     k: &'k Transport<'k>,
-    /// √(ρ / M·1), N × c.
+    /// √(|λ| / M·1), N × c; λ is ρ but on sheets.
     scale: DMatrix<f64>,
+    turns: Option<Turns>,
 }
 
 impl<'k> Root<'k> {
     pub fn new(k: &'k Transport<'k>) -> Self {
-        let mut scale = k.reflectance().clone();
+        let turns = k.sheets().map(|sheets| Turns::new(k.reflectance(), sheets));
+        let mut scale = turns.as_ref().map_or_else(|| k.reflectance().clone(), Turns::sizes);
         for mut column in scale.column_iter_mut() {
             column.zip_apply(k.mass().sums(), |rho, sum| *rho = (*rho / sum).sqrt());
         }
-        Self { k, scale }
+        Self { k, scale, turns }
     }
 
     /// R x.
     pub fn times(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
         let mut product = self.scale.component_mul(x);
         product.column_iter_mut().for_each(|mut column| self.k.mass().inverse_root(column.as_mut_slice()));
+        if let Some(turns) = &self.turns {
+            turns.turn(&mut product);
+        }
         product
     }
 
-    /// I − R S R in one channel.
+    /// Rᵀ x.
+    pub fn transposed_times(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut product = match &self.turns {
+            None => self.scale.component_mul(x),
+            Some(turns) => {
+                let mut turned = x.clone();
+                turns.turn_back(&mut turned);
+                turned.component_mul(&self.scale)
+            }
+        };
+        product.column_iter_mut().for_each(|mut column| self.k.mass().inverse_root(column.as_mut_slice()));
+        product
+    }
+
+    /// x ← J x.
+    pub fn sign(&self, x: &mut DMatrix<f64>) {
+        if let Some(turns) = &self.turns {
+            turns.sign(x);
+        }
+    }
+
+    /// The diagonal of J in a channel, where not all of it is 1.
+    pub fn signs(&self, channel: usize) -> Option<Vec<i8>> {
+        self.turns.as_ref().and_then(|turns| turns.signs(channel))
+    }
+
+    /// Whether J = I in all channels, so that the matrix is positive definite.
+    pub fn is_definite(&self) -> bool {
+        self.turns.as_ref().is_none_or(Turns::are_definite)
+    }
+
+    /// The largest |λ| per channel.
+    pub fn largest(&self) -> Vec<f64> {
+        let of = |sizes: &DMatrix<f64>| sizes.column_iter().map(|column| column.max()).collect();
+        self.turns.as_ref().map_or_else(|| of(self.k.reflectance()), |turns| of(&turns.sizes()))
+    }
+
+    /// J − Rᵀ S R in one channel.
     pub fn matrix(&self, channel: usize) -> DMatrix<f64> {
-        let (n, each, s) = (self.k.len(), self.k.basis().coefficients(), self.scale.column(channel));
+        let (n, each) = (self.k.len(), self.k.basis().coefficients());
+        // On sheets the scale comes after the turn.
+        let scale = self.scale.column(channel);
+        let plain = self.turns.as_ref().map(|turns| {
+            let mut plain = scale.clone_owned();
+            turns.paired().for_each(|i| plain[i] = 1.0 / self.k.mass().sums()[i].sqrt());
+            plain
+        });
+        let s = plain.as_ref().map_or(scale, |plain| plain.column(0));
         let mut matrix = DMatrix::zeros(n, n);
         matrix.as_mut_slice().par_chunks_mut(each * n).enumerate().for_each(|(patch, columns)| {
             for (a, column) in columns.chunks_mut(n).enumerate() {
@@ -54,8 +116,31 @@ impl<'k> Root<'k> {
                     (0..3).for_each(|a| columns[a * n + i] = across[a]);
                 }
             }
-            (0..each).for_each(|a| columns[a * n + each * patch + a] += 1.0);
         });
+        if let Some(turns) = &self.turns {
+            turns.turn_both_sides(&mut matrix, channel);
+        }
+        let signs = self.signs(channel);
+        for i in 0..n {
+            matrix[(i, i)] += signs.as_ref().map_or(1.0, |signs| f64::from(signs[i]));
+        }
         matrix
+    }
+}
+
+/// Solves L = E + K L until the residual is small in every channel, by conjugate gradients where the symmetric form is positive definite and
+/// else by MINRES; answers L, the number of passes, and the method's name.
+pub(super) fn iterate(
+    k: &Transport,
+    e: &DMatrix<f64>,
+    options: &CgOptions,
+) -> Result<(DMatrix<f64>, usize, &'static str), SolveError> {
+    let root = Root::new(k);
+    if root.is_definite() {
+        let (radiance, passes) = conjugate_gradient::iterate(&root, k, e, options)?;
+        Ok((radiance, passes, "cg"))
+    } else {
+        let (radiance, passes) = minres::iterate(&root, k, e, options)?;
+        Ok((radiance, passes, "minres"))
     }
 }

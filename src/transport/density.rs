@@ -36,7 +36,7 @@ pub(super) struct Density {
     pub landing: f64,
     /// The part of its rays that meets mirrors or glass.
     pub carried: f64,
-    /// The largest mean reflectance of what they land on, over channels, times that part.
+    /// The largest mean of what goes on from where they land, over channels, times that part.
     pub reflected: f64,
 }
 
@@ -219,7 +219,7 @@ impl<'a, 's> Places<'a, 's> {
                 point: a + (b - a) * u + (c - a) * v,
                 normal: self.tracer.normal(face, side),
                 area: area / count,
-                reflectance: material.reflectance.iter().copied().fold(0.0, f64::max),
+                reflectance: material.highest_albedo(side),
                 passes: material
                     .surface
                     .colour()

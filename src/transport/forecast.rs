@@ -14,7 +14,7 @@ use super::storage::StorageKind;
 use super::switches::Shots;
 use super::{LightOptions, TraceOptions};
 use crate::patches::{Basis, Outlook, Tessellation};
-use crate::scene::{Feature, Scene};
+use crate::scene::{Feature, Material, Scene, Side};
 use crate::trace::{Lamps, Tracer};
 
 /// What something costs.
@@ -97,6 +97,7 @@ pub(super) struct Parts {
     pub back_sides: Cost,
     /// Patches that are backs.
     pub backs: f64,
+    pub transmission: Cost,
     pub lamps: Cost,
     pub carriers: Cost,
     pub caustics: Cost,
@@ -271,6 +272,7 @@ impl Forecast {
             colour: if channels > 1 { others } else { Cost::default() },
             back_sides: share(interreflection, backs / patches.max(1.0)),
             backs,
+            transmission: share(interreflection, outlook.through_sheets / patches.max(1.0)),
             lamps: lamp_columns,
             carriers,
             caustics,
@@ -324,8 +326,16 @@ fn orders_for(reflected: f64, tolerance: f64) -> f64 {
     (tolerance.max(1e-15).ln() / reflected.ln()).ceil().max(1.0)
 }
 
-/// Number of channels whose reflectances differ from those of all before: each is factored by itself.
+/// Number of channels whose reflectances or transmittances differ from those of all before: each is factored by itself.
 fn distinct_reflectances(scene: &Scene) -> usize {
-    let column = |c: usize| scene.materials().iter().map(move |material| material.reflectance[c]);
-    (0..scene.channels()).filter(|&c| (0..c).all(|before| !column(before).eq(column(c)))).count()
+    let alike = |a: usize, b: usize| {
+        let same = |colour: &[f64]| colour[a] == colour[b];
+        let is_alike = |material: &Material| {
+            same(material.reflectance_of(Side::Front))
+                && same(material.reflectance_of(Side::Back))
+                && material.transmittance().is_none_or(same)
+        };
+        scene.materials().iter().all(is_alike)
+    };
+    (0..scene.channels()).filter(|&c| (0..c).all(|before| !alike(before, c))).count()
 }

@@ -1,4 +1,4 @@
-//! Transport: form factors, exchange areas and the operator K = diag(ρ) F.
+//! Transport: form factors, exchange areas and the operator K = diag(ρ) F, or R F with [sheets](Reflection) that let light through.
 //!
 //! [`FormFactors`] are geometry only: which fraction of what a patch sends out lands on each other patch. [`Transport`] adds
 //! the reflectances and is the operator that the solvers invert. The two stay apart so that other reflectances,
@@ -29,6 +29,7 @@ mod polygons;
 mod rays;
 mod receivers;
 mod recipe;
+mod reflection;
 mod saved;
 mod sections;
 mod shrinkage;
@@ -52,6 +53,7 @@ pub use mass::Mass;
 pub use operator::Transport;
 pub use plan::{Effect, Plan};
 pub use receivers::ReceiverRows;
+pub use reflection::Reflection;
 pub use saved::Reuse;
 pub use sections::FactorsFileError;
 pub use sources::{LightOptions, Sources};
@@ -92,7 +94,7 @@ pub enum TransportError {
     },
     /// Light could never leave or be absorbed.
     #[error(
-        "light is trapped: {} reflect everything and nothing they see absorbs or lets light out; lower a reflectance (Kd) below 1 or open the scene",
+        "light is trapped: {} pass all light on and nothing they see absorbs or lets light out; lower a reflectance (Kd), or its sum with a transmittance, below 1 or open the scene",
         materials.join(", ")
     )]
     Unsolvable {

@@ -1,4 +1,4 @@
-//! The transport operator K = diag(ρ) F, one bounce of light.
+//! The transport operator K = R F, one bounce of light: R turns what arrives into what leaves, and is diag(ρ) but for sheets that let light through.
 
 use std::f64::consts::PI;
 
@@ -6,57 +6,65 @@ use nalgebra::DMatrix;
 
 use super::exchange::Exchange;
 use super::mass::Mass;
-use super::{FormFactors, TransportError, solvable};
-use crate::patches::{Basis, Patches};
+use super::{FormFactors, Reflection, TransportError, solvable};
+use crate::patches::{Basis, Patches, Sheets};
 
-/// The transport operator K: form factors with a reflectance for every patch and channel.
+/// What rounding may add to shares that come to 1.
+const ROUNDING: f64 = 1e-12;
+
+/// The transport operator K: form factors with a reflectance for every patch and channel, and with what comes through sheets.
 ///
 /// It acts on coefficients, N × c: N is the number of patches n, or 3n for linear elements, where F stands for M⁻¹S.
 #[derive(Clone, Debug)]
 pub struct Transport<'f> {
     factors: &'f FormFactors,
-    /// ρ, N × c.
-    reflectance: DMatrix<f64>,
+    /// By coefficients.
+    reflection: Reflection,
 }
 
 impl<'f> Transport<'f> {
-    /// Joins form factors and reflectances ρ (n × c, each 0 to 1).
+    /// Joins form factors and what patches do with light: reflectances ρ (n × c), perhaps with sheets.
     ///
     /// # Errors
     /// `Unsolvable` if some set of patches sees only itself and reflects everything; the sets' patches are named by number.
     ///
     /// # Panics
-    /// If `reflectance` has not n rows or a value lies outside 0 to 1.
-    pub fn new(factors: &'f FormFactors, reflectance: DMatrix<f64>) -> Result<Self, TransportError> {
-        Self::named(factors, reflectance, |i| format!("patch {i}"))
+    /// If there are not n reflectances, if a ρ or τ lies outside 0 to 1, or if they come to more than 1.
+    pub fn new(factors: &'f FormFactors, reflection: impl Into<Reflection>) -> Result<Self, TransportError> {
+        Self::named(factors, reflection.into(), |i| format!("patch {i}"))
     }
 
-    /// The operator of a scene's own reflectances.
+    /// The operator of a scene's own reflectances and sheets.
     ///
     /// # Errors
     /// `Unsolvable`, naming the materials of a set of patches that sees only itself and reflects everything.
     pub fn of(factors: &'f FormFactors, patches: &Patches) -> Result<Self, TransportError> {
         let name = |i: usize| patches.scene().material_of(patches.place(i).face).name.clone();
-        Self::named(factors, patches.reflectances(), name)
+        Self::named(factors, Reflection::of(patches), name)
     }
 
     fn named(
         factors: &'f FormFactors,
-        reflectance: DMatrix<f64>,
+        reflection: Reflection,
         name: impl Fn(usize) -> String,
     ) -> Result<Self, TransportError> {
+        let Reflection { reflectance, sheets } = &reflection;
         assert_eq!(reflectance.nrows(), factors.len(), "one row per patch");
-        assert!(reflectance.iter().all(|r| (0.0..=1.0).contains(r)), "reflectances lie between 0 and 1");
-        let exchange = factors.exchange();
-        let each = exchange.basis().coefficients();
-        let reflectance = exchange.basis().coefficients_of(&reflectance);
-        if let Some(trapped) = solvable::trapped(factors, &reflectance) {
+        let transmittance = sheets.iter().flat_map(|sheets| &sheets.transmittance);
+        let mut parts = reflectance.iter().chain(transmittance);
+        assert!(parts.all(|part| (0.0..=1.0).contains(part)), "reflectances lie between 0 and 1");
+        let fits = reflection.passed_on().iter().all(|&part| part <= 1.0 + ROUNDING);
+        assert!(fits, "reflectance and transmittance come to no more than 1");
+        let basis = factors.basis();
+        let each = basis.coefficients();
+        let k = Self { factors, reflection: reflection.by_coefficients(basis) };
+        if let Some(trapped) = solvable::trapped(&k) {
             let mut materials: Vec<String> = trapped.into_iter().map(|i| name(i / each)).collect();
             materials.sort();
             materials.dedup();
             return Err(TransportError::Unsolvable { materials });
         }
-        Ok(Self { factors, reflectance })
+        Ok(k)
     }
 
     /// Number of unknowns N.
@@ -71,7 +79,7 @@ impl<'f> Transport<'f> {
 
     /// Number of channels c.
     pub fn channels(&self) -> usize {
-        self.reflectance.ncols()
+        self.reflection.reflectance.ncols()
     }
 
     /// Exchange areas S; of the first channel, where coloured carriers make channels differ.
@@ -115,7 +123,17 @@ impl<'f> Transport<'f> {
 
     /// Reflectances ρ, N × c.
     pub fn reflectance(&self) -> &DMatrix<f64> {
-        &self.reflectance
+        &self.reflection.reflectance
+    }
+
+    /// What comes through sheets, by coefficients; none where nothing does.
+    pub fn sheets(&self) -> Option<&Sheets> {
+        self.reflection.sheets.as_ref()
+    }
+
+    /// The part of what arrives that goes on, ρ + τ, N × c; the rest is absorbed.
+    pub fn passed_on(&self) -> DMatrix<f64> {
+        self.reflection.passed_on()
     }
 
     /// Irradiance H = π M⁻¹ S L of radiance L, N × c, W·m⁻².
@@ -126,9 +144,9 @@ impl<'f> Transport<'f> {
         irradiance
     }
 
-    /// Reflected radiance ρ H / π of irradiance H, N × c: the one place where surfaces turn what arrives into what leaves.
+    /// Radiance that leaves where irradiance H arrives, N × c: ρ H / π, and τ H / π on the other side of a sheet; see [`Reflection`].
     pub fn reflect(&self, irradiance: &DMatrix<f64>) -> DMatrix<f64> {
-        irradiance.zip_map(&self.reflectance, |h, rho| rho * h / PI)
+        self.reflection.reflect(irradiance)
     }
 
     /// y ← K x, overwriting y; N × c.

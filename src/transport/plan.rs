@@ -81,6 +81,16 @@ fn caustics(scene: &Scene, used: &[&Material]) -> Effect {
     }
 }
 
+fn transmission(used: &[&Material]) -> Effect {
+    let through = used.iter().filter(|m| m.transmittance().is_some());
+    let names: Vec<&str> = through.map(|m| m.name.as_str()).collect();
+    let reason = match names.len() {
+        0 => "no surface lets light through diffusely".into(),
+        _ => format!("both sides of what lets light through diffusely: {}", names.join(", ")),
+    };
+    Effect::new("transmission", !names.is_empty(), reason)
+}
+
 /// What a run simulates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
@@ -93,7 +103,7 @@ impl Plan {
     /// Reads the scene and decides.
     pub fn new(scene: &Scene) -> Self {
         let effect = |effect, on, reason: &str| Effect::new(effect, on, reason);
-        let reflects = scene.materials().iter().any(|m| m.reflects());
+        let reflects = scene.materials().iter().any(|m| m.reflects() || m.transmittance().is_some());
         let called_for = |effect, what: &str, wants: &dyn Fn(usize) -> bool| {
             let names: Vec<&str> = scene
                 .materials()
@@ -161,6 +171,7 @@ impl Plan {
                 carrier_colour,
                 carrier("thin glass", "thin glass", |surface| matches!(surface, Surface::Pane { .. })),
                 carrier("gloss", "rough metal", |surface| matches!(surface, Surface::Conductor { .. })),
+                transmission(&used),
                 called_for("plastic", "plastic", &|k| scene.materials()[k].surface == Surface::Plastic),
                 textures(&used),
             ],
@@ -186,6 +197,7 @@ impl Plan {
                     }
                 },
                 "colour" => parts.colour,
+                "transmission" => parts.transmission,
                 "back sides" => {
                     let backs = parts.backs.round();
                     effect.on = backs > 0.0;

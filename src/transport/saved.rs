@@ -24,7 +24,7 @@ use super::storage::Storage;
 use super::tones::Tones;
 use super::{Closure, FormFactors, Keep, StorageKind, TransportError};
 use crate::patches::{Basis, Patches, Tessellation};
-use crate::scene::{FaceState, Scene, Surface};
+use crate::scene::{FaceState, Scene, Side, Surface};
 use crate::trace::{Lamps, Tracer};
 
 const MAGIC: &[u8; 8] = b"radiosFF";
@@ -315,7 +315,12 @@ fn geometry_hash(scene: &Scene) -> u64 {
 fn light_hash(scene: &Scene) -> u64 {
     let of = |k: usize| {
         let material = scene.material_of(k);
-        u8::from(material.emits()) + 2 * u8::from(material.reflects())
+        let through = material.transmittance().is_some();
+        let back = material.reflects_on(Side::Back) != material.reflects_on(Side::Front);
+        u8::from(material.emits())
+            + 2 * u8::from(material.reflects_on(Side::Front))
+            + 4 * u8::from(back)
+            + 8 * u8::from(through)
     };
     xxh3_64(&(0..scene.faces().len()).map(of).collect::<Vec<_>>())
 }

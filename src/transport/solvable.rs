@@ -1,16 +1,19 @@
 //! Solvability: light must be able to end somewhere.
 
-use nalgebra::DMatrix;
+use super::{Exchange, Transport};
 
-use super::FormFactors;
+/// A share that rounding alone can leave of nothing.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// A set of patches that sees only itself, lets nothing out and absorbs nothing in some channel, if there is one.
-pub(super) fn trapped(factors: &FormFactors, reflectance: &DMatrix<f64>) -> Option<Vec<usize>> {
-    reflectance.column_iter().enumerate().find_map(|(channel, rho)| {
-        let exchange = factors.exchange_of(channel);
-        // Only a set of perfect reflectors can be such a set; most scenes have none at all.
-        let mut unvisited: Vec<bool> = rho.iter().map(|&r| r == 1.0).collect();
-        (0..exchange.len()).find_map(|start| {
+/// A set of coefficients' patches that sees only itself, lets nothing out and absorbs nothing in some channel, if there is one.
+pub(super) fn trapped(k: &Transport) -> Option<Vec<usize>> {
+    let passed_on = k.passed_on();
+    (0..k.channels()).find_map(|channel| {
+        let absorbs = |i: usize| 1.0 - passed_on[(i, channel)] > ROUNDING;
+        let light = Light { k, exchange: k.exchange_of(channel), channel, across: across(k, channel) };
+        // Only a set that passes everything on can be such a set; most scenes have none at all.
+        let mut unvisited: Vec<bool> = (0..k.len()).map(|i| !absorbs(i)).collect();
+        (0..k.len()).find_map(|start| {
             if !unvisited[start] {
                 return None;
             }
@@ -18,17 +21,46 @@ pub(super) fn trapped(factors: &FormFactors, reflectance: &DMatrix<f64>) -> Opti
             let mut loses = false;
             unvisited[start] = false;
             while at < set.len() {
-                let i = set[at];
-                loses |= exchange.leaving()[i] > 0.0;
-                exchange.for_row(i, |j, _| {
-                    loses |= rho[j] < 1.0;
-                    if std::mem::take(&mut unvisited[j]) {
-                        set.push(j);
-                    }
-                });
+                for i in light.leaves_by(set[at]) {
+                    loses |= light.exchange.leaving()[i] > 0.0;
+                    light.exchange.for_row(i, |j, _| {
+                        loses |= absorbs(j);
+                        if std::mem::take(&mut unvisited[j]) {
+                            set.push(j);
+                        }
+                    });
+                }
                 at += 1;
             }
             (!loses).then_some(set)
         })
     })
+}
+
+/// Light in one channel.
+struct Light<'a> {
+    k: &'a Transport<'a>,
+    exchange: &'a Exchange,
+    channel: usize,
+    /// Per coefficient, the other side of its sheet if light comes through; empty without sheets.
+    across: Vec<Option<usize>>,
+}
+
+impl Light<'_> {
+    /// The sides by which light leaves that arrives at `i`.
+    fn leaves_by(&self, i: usize) -> impl Iterator<Item = usize> {
+        let back = (self.k.reflectance()[(i, self.channel)] > 0.0).then_some(i);
+        back.into_iter().chain(self.across.get(i).copied().flatten())
+    }
+}
+
+fn across(k: &Transport, channel: usize) -> Vec<Option<usize>> {
+    let Some(sheets) = k.sheets() else { return Vec::new() };
+    let mut across = vec![None; k.len()];
+    for (p, &[front, back]) in sheets.pairs.iter().enumerate() {
+        if sheets.transmittance[(p, channel)] > 0.0 {
+            (across[front], across[back]) = (Some(back), Some(front));
+        }
+    }
+    across
 }

@@ -6,14 +6,18 @@ use super::{LightOptions, Occlusion, Plan, TraceOptions};
 use crate::scene::{Feature, Scene};
 
 /// Effects that can be left out, what each loses, and what is left out of the scene for it, if that is all.
-const SWITCHES: [(&str, &str, Option<Feature>); 15] = [
+const SWITCHES: [(&str, &str, Option<Feature>); 16] = [
     (
         "interreflection",
         "surfaces light no others: what comes straight from lamps, lights and sky is all there is",
         Some(Feature::Interreflection),
     ),
     (OCCLUSION_RAYS, "", None),
-    ("back sides", "the backs of surfaces are black, and nothing is told of them", Some(Feature::BackSides)),
+    (
+        "back sides",
+        "the backs of surfaces are black, nothing comes through, and nothing is told of them",
+        Some(Feature::BackSides),
+    ),
     ("lamps", "lamps are found by the rays of rows alone: direct light is noisier", None),
     ("colour", "everything is grey, of the luminance of its colour", Some(Feature::Colour)),
     ("lights", "lights without area do not shine", Some(Feature::Lights)),
@@ -28,6 +32,7 @@ const SWITCHES: [(&str, &str, Option<Feature>); 15] = [
     ),
     ("thin glass", "thin glass is not there: light passes unfiltered", Some(Feature::ThinGlass)),
     ("gloss", "rough metals are diffuse surfaces of the same reflectance", Some(Feature::Gloss)),
+    (TRANSMISSION, "sheets absorb what they would let through", Some(Feature::Transmission)),
     (
         "carrier colour",
         "mirrors, metals and glass are grey, by the mean of their channels",
@@ -39,6 +44,9 @@ const SWITCHES: [(&str, &str, Option<Feature>); 15] = [
         None,
     ),
 ];
+
+/// What needs back sides.
+const TRANSMISSION: &str = "transmission";
 
 /// What can be insisted on, and is left out by itself where it can be.
 const OCCLUSION_RAYS: &str = "occlusion rays";
@@ -111,6 +119,10 @@ impl Switches {
                     told.push(format!("{name} are left out by themselves where a scene is empty and convex, and nowhere else"));
                 }
                 continue;
+            }
+            if name == TRANSMISSION && effect.on && scene.is_without(Feature::BackSides) {
+                effect.on = false;
+                effect.reason = "nothing comes through without back sides".into();
             }
             match (effect.on, self.off.contains(&name), self.on.contains(&name)) {
                 (true, true, _) => {

@@ -26,6 +26,7 @@ mod pictures; // what cameras see: ways of shading agree, nothing lit is black
 mod plan; // what is foretold of effects, patches, bytes, against what comes of it
 mod receivers; // light at points that are no patches, and what is reported in lux
 mod saved_factors; // what may change around saved form factors, and what may not
+mod sheets; // blinds and lampshades: closed forms, energy, every solver, light paths, bad input
 mod structure; // modules import only from their left
 mod study; // accuracy against time: errors that fall, noise that is called noise, studies that resume
 mod textures; // pictures on surfaces: averages, light paths, renderings, files

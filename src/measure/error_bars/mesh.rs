@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use crate::measure::MeasureError;
 use crate::patches::{Basis, Clusters, Patches};
 use crate::solve::{CgOptions, conjugate_gradients};
-use crate::transport::{FormFactors, Sources, Transport};
+use crate::transport::{FormFactors, Reflection, Sources, Transport};
 
 /// How many patches are taken together for coarser elements. Linear elements are held against constant ones on the same patches.
 fn together(basis: Basis) -> f64 {
@@ -60,7 +60,7 @@ fn solved_on(
         clusters.of_patch.iter().flat_map(|&cluster| std::iter::repeat_n(cluster, each)).collect();
     let merged = factors.merged(&of_coefficient, clusters.count);
     let mean = |field: &DMatrix<f64>| patches.average_by(clusters, field);
-    let k = Transport::new(&merged, mean(&patches.reflectances()))?;
+    let k = Transport::new(&merged, Reflection::of(patches).merged(patches, clusters))?;
     let sources = Sources {
         emitted: mean(&basis.means(&sources.emitted)),
         direct: sources.direct.as_ref().map(|direct| mean(&basis.means(direct))),

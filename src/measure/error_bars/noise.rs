@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 use crate::measure::MeasureError;
 use crate::patches::{Basis, Patches};
 use crate::solve::{DirectOptions, direct};
-use crate::transport::{FormFactors, Sources, Transport};
+use crate::transport::{FormFactors, Reflection, Sources, Transport};
 
 /// About how many clusters of patches; and the fewest patches in one.
 const CLUSTERS: f64 = 128.0;
@@ -44,12 +44,11 @@ impl Noise {
             *lamps += factors.basis().means(lights) / EVENNESS;
         }
         let mean = |field: &DMatrix<f64>| patches.average_by(&clusters, field);
-        let reflectance = patches.reflectances();
-        let k = Transport::new(&merged, mean(&reflectance))?;
+        let reflection = Reflection::of(patches);
+        let k = Transport::new(&merged, reflection.merged(patches, &clusters))?;
         let solver = direct(&k, &DirectOptions::default())?;
         let reflected_on = |mut change: DMatrix<f64>| {
-            let source = change.zip_map(&reflectance, |h, rho| rho * h / std::f64::consts::PI);
-            let smooth = solver.solve(&mean(&source)).irradiance;
+            let smooth = solver.solve(&mean(&reflection.reflect(&change))).irradiance;
             for (i, &cluster) in clusters.of_patch.iter().enumerate() {
                 (0..change.ncols()).for_each(|c| change[(i, c)] += smooth[(cluster, c)]);
             }

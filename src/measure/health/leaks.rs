@@ -135,16 +135,21 @@ fn last_ray(tracer: &Tracer, start: Facet, seed: u64, path: u32) -> Option<Ray> 
         };
         let face = hit.face as usize;
         let [x, y, lives, _] = sequence(bounce).point(path);
-        let reflectance = &tracer.scene().material_of(face).reflectance;
+        let material = tracer.scene().material_of(face);
+        let reflectance = material.reflectance_of(hit.side);
         let texture = tracer.scene().reflectance_texture(face);
         let factors = texture.map_or([1.0; 3], |texture| texture.at(hit.barycentrics));
-        let mean = reflectance.iter().zip(factors).map(|(rho, factor)| rho * factor).sum::<f64>();
-        if lives >= mean / reflectance.len() as f64 {
+        let channels = reflectance.len() as f64;
+        let reflected =
+            reflectance.iter().zip(factors).map(|(rho, factor)| rho * factor).sum::<f64>() / channels;
+        let through = material.transmittance().map_or(0.0, |tau| tau.iter().sum::<f64>() / channels);
+        if lives >= reflected + through {
             break;
         }
+        let side = if lives < reflected { hit.side } else { hit.side.other() };
         let [a, b, c] = *tracer.corners(face);
         let [u, v] = hit.barycentrics;
-        let frame = sampling::frame_around(tracer.normal(face, hit.side));
+        let frame = sampling::frame_around(tracer.normal(face, side));
         let direction = frame * sampling::cosine_hemisphere([x, y]);
         ray = Ray { origin: a + (b - a) * u + (c - a) * v, direction, from: hit.face };
     }

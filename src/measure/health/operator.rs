@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 
 use super::{Finding, Verdict};
-use crate::patches::Patches;
+use crate::patches::{Patches, Slot};
 use crate::progress::Progress;
 use crate::solve::{Amplification, CgOptions, SolveError};
 use crate::transport::{Exchange, FormFactors, Transport, TransportError};
@@ -98,7 +98,7 @@ fn row_sums(exchange: &Exchange, patches: &Patches) -> Finding {
     finding.but(Verdict::Bad, worst_faces(patches, sum, 1.0 + ROUNDING), remedy)
 }
 
-/// ‖K‖∞, the largest share of what arrives anywhere that is reflected to where it is not lost.
+/// ‖K‖∞, the largest share of what arrives anywhere that goes on to where it is not lost.
 fn norm(k: &Transport) -> Finding {
     let value = k.norm().into_iter().fold(0.0, f64::max);
     let finding = Finding::good("‖K‖∞", value, None);
@@ -115,10 +115,10 @@ fn condition(k: &Transport, patches: &Patches, progress: Progress) -> Result<Fin
     if value < WELL {
         return Ok(finding);
     }
-    let (brightest, reflectance) = brightest(patches);
+    let (brightest, passed_on) = brightest(patches);
     let remedy = format!(
         "light goes on almost for ever, and small errors of reflectances become large ones of the answer; lower the reflectance of \
-         {brightest} ({reflectance}), which few real surfaces have"
+         {brightest} ({passed_on}), which few real surfaces have"
     );
     let verdict = if value < ILL { Verdict::Fair } else { Verdict::Bad };
     Ok(finding.but(verdict, [], remedy))
@@ -136,13 +136,13 @@ fn unsolvable(error: &TransportError, patches: &Patches) -> Finding {
     Finding::good("condition", f64::INFINITY, None).but(Verdict::Bad, faces, error.to_string())
 }
 
-/// The material that reflects most, and its reflectance.
+/// The material that passes most on, by reflection and where it is a sheet through it, and how much.
 fn brightest<'s>(patches: &Patches<'s>) -> (&'s str, f64) {
     let scene = patches.scene();
-    let most = |face: usize| scene.material_of(face).reflectance.iter().copied().fold(0.0, f64::max);
-    let faces = (0..patches.len()).map(|i| patches.place(i).face);
-    let brightest = faces.max_by(|&a, &b| most(a).total_cmp(&most(b)));
-    brightest.map_or(("nothing", 0.0), |face| (&scene.material_of(face).name, most(face)))
+    let most = |place: &Slot| scene.material_of(place.face).highest_albedo(place.side);
+    let places = (0..patches.len()).map(|i| patches.place(i));
+    let brightest = places.max_by(|a, b| most(a).total_cmp(&most(b)));
+    brightest.map_or(("nothing", 0.0), |place| (&scene.material_of(place.face).name, most(&place)))
 }
 
 /// The coefficients of a patch.

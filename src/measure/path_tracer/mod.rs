@@ -123,9 +123,9 @@ impl<'t, 's> PathTracer<'t, 's> {
             let seen = emission.iter().zip(&colour);
             radiance.iter_mut().zip(seen).for_each(|(sum, (e, colour))| *sum += trust * e * colour);
         }
-        let rho = walker.reflectance(hit.face, hit.barycentrics, &mut own);
-        let [s, t, ..] = numbers.next();
-        let place = Place::of(walker.tracer, &hit);
+        let [s, t, way, _] = numbers.next();
+        let mut rho = vec![1.0; walker.channels];
+        let place = walker.follow(&hit, way, &mut rho);
         walker.irradiance(
             place,
             [s, t],

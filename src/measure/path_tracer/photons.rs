@@ -215,18 +215,15 @@ fn follow(
         }
         // Reflect, and let chance decide whether what is left is worth another step.
         let before = largest(weight);
-        let mut own = [0.0; 3];
-        let reflectance = walker.reflectance(met.hit.face, met.hit.barycentrics, &mut own);
-        weight.iter_mut().zip(reflectance).for_each(|(w, rho)| *w *= rho);
+        let [s, t, chance, way] = numbers.next();
+        let place = walker.follow(&met.hit, way, weight);
         let survival = largest(weight) / before;
-        let [s, t, chance, _] = numbers.next();
         if survival == 0.0 || (bounce >= CERTAIN && chance >= survival) {
             return;
         }
         if bounce >= CERTAIN {
             weight.iter_mut().for_each(|w| *w /= survival);
         }
-        let place = super::walk::Place::of(walker.tracer, &met.hit);
         let direction = frame_around(place.normal) * cosine_hemisphere([s, t]);
         ray = Ray { origin: place.point, direction, from: place.face };
     }

@@ -4,7 +4,8 @@
 //!
 //! H(x) = E\[ π Lₑ(y) + ρ(y) H(y) \],
 //!
-//! so that a walk over y, y′, … sums up ρ(y) ρ(y′) … · π Lₑ. Lamps are found twice at every step: by ω, and by a point drawn on them. The
+//! so that a walk over y, y′, … sums up ρ(y) ρ(y′) … · π Lₑ. On a sheet there is τ(y) times the H of its other side beside; the walk follows one of the two,
+//! by chance. Lamps are found twice at every step: by ω, and by a point drawn on them. The
 //! two are joined by multiple importance sampling with the power heuristic (Veach 1997, eq. 9.13). So it is at rough conductors, which stand
 //! between x and y as mirrors and glass do, but have directions enough for a lamp to be found by either way.
 
@@ -96,6 +97,9 @@ pub(super) struct Walker<'t, 's> {
     pub channels: usize,
     /// Per face and channel.
     reflectance: Vec<f64>,
+    /// Of backs, and what comes through; empty where no sheets are.
+    backs: Vec<f64>,
+    transmittance: Vec<f64>,
     emission: Vec<f64>,
     /// Per face, what varies either over it; empty where no face has textures.
     textures: Vec<[Option<FaceTexture<'s>>; 2]>,
@@ -106,6 +110,9 @@ impl<'t, 's> Walker<'t, 's> {
         let scene = tracer.scene();
         let faces = 0..scene.faces().len();
         let textured = if scene.has_textures() { faces.clone() } else { 0..0 };
+        let are_sheets = scene.materials().iter().any(|material| material.sheet.is_some());
+        let sheets = if are_sheets { faces.clone() } else { 0..0 };
+        let nothing = vec![0.0; scene.channels()];
         Self {
             tracer,
             lights: Lights::new(tracer),
@@ -115,19 +122,53 @@ impl<'t, 's> Walker<'t, 's> {
                 .clone()
                 .flat_map(|f| scene.material_of(f).reflectance.iter().copied())
                 .collect(),
+            backs: sheets
+                .clone()
+                .flat_map(|f| scene.material_of(f).reflectance_of(Side::Back).iter().copied())
+                .collect(),
+            transmittance: sheets
+                .flat_map(|f| scene.material_of(f).transmittance().unwrap_or(&nothing).iter().copied())
+                .collect(),
             emission: faces.flat_map(|f| scene.material_of(f).emission.iter().copied()).collect(),
             textures: textured.map(|f| [scene.reflectance_texture(f), scene.emission_texture(f)]).collect(),
         }
     }
 
-    /// ρ at a point of a face, per channel; `own` is room for it.
+    /// ρ at a point of a face's side, per channel; `own` is room for it.
     #[inline]
-    pub fn reflectance<'a>(&'a self, face: u32, point: [f64; 2], own: &'a mut [f64; 3]) -> &'a [f64] {
-        let reflectance = &self.reflectance[face as usize * self.channels..][..self.channels];
-        match self.textures.get(face as usize) {
-            Some([Some(texture), _]) => varied(reflectance, texture.at(point), own),
+    fn reflectance<'a>(&'a self, hit: &Hit, own: &'a mut [f64; 3]) -> &'a [f64] {
+        let is_back = hit.side == Side::Back && !self.backs.is_empty();
+        let reflectance = if is_back { &self.backs } else { &self.reflectance };
+        let reflectance = &reflectance[hit.face as usize * self.channels..][..self.channels];
+        match self.textures.get(hit.face as usize) {
+            Some([Some(texture), _]) => varied(reflectance, texture.at(hit.barycentrics), own),
             _ => reflectance,
         }
+    }
+
+    /// Where light arrived that leaves from where a ray ended: on that side, or on the other of a sheet, decided by `way`. Multiplies `weight` by the part
+    /// that goes on from there, per channel, over the chance of going there.
+    #[inline]
+    pub fn follow(&self, hit: &Hit, way: f64, weight: &mut [f64]) -> Place {
+        let mut own = [0.0; 3];
+        let reflectance = self.reflectance(hit, &mut own);
+        let place = Place::of(self.tracer, hit);
+        if !self.transmittance.is_empty() {
+            let transmittance = &self.transmittance[hit.face as usize * self.channels..][..self.channels];
+            let most =
+                |part: &[f64]| weight.iter().zip(part).fold(0.0, |most: f64, (w, part)| most.max(w * part));
+            let through = most(transmittance);
+            if through > 0.0 {
+                let chance = through / (through + most(reflectance));
+                let goes_through = way < chance;
+                let (part, chance) =
+                    if goes_through { (transmittance, chance) } else { (reflectance, 1.0 - chance) };
+                weight.iter_mut().zip(part).for_each(|(w, part)| *w *= part / chance);
+                return if goes_through { Place { normal: -place.normal, ..place } } else { place };
+            }
+        }
+        weight.iter_mut().zip(reflectance).for_each(|(w, rho)| *w *= rho);
+        place
     }
 
     /// Lₑ at a point of a face's front, per channel; `own` is room for it.
@@ -164,7 +205,7 @@ impl<'t, 's> Walker<'t, 's> {
         }
         for k in 0.. {
             // Look straight at a lamp.
-            let [u, v, chance, _] = numbers.next();
+            let [u, v, chance, way] = numbers.next();
             let mut own = [0.0; 3];
             if let Some((seen, face, point)) = self.look_at_light(&place, [u, v]) {
                 arrives(k + 1, seen, weight, self.emission(face, point, &mut own));
@@ -195,17 +236,15 @@ impl<'t, 's> Walker<'t, 's> {
                 Met { hit: first, direction: outwards, density, is_straight: true }
             };
             let hit = met.hit;
-            let next = Place::of(self.tracer, &hit);
             // Count the lamp that was met.
             if hit.side == Side::Front && self.lights.density(hit.face) > 0.0 {
                 let emission = self.emission(hit.face, hit.barycentrics, &mut own);
                 arrives(k + 1, PI * self.trust(&met), weight, emission);
             }
-            // Reflect, and let chance decide whether what is left is worth another step.
+            // Reflect or let through, and let chance decide whether what is left is worth another step.
             let before = largest(weight);
-            let reflectance = self.reflectance(hit.face, hit.barycentrics, &mut own);
-            weight.iter_mut().zip(reflectance).for_each(|(w, rho)| *w *= rho);
-            let survival = largest(weight) / before;
+            let next = self.follow(&hit, way, weight);
+            let survival = (largest(weight) / before).min(1.0);
             if survival == 0.0 {
                 return;
             }

@@ -1,5 +1,6 @@
-//! Final gathering: light at a point itself, not at its patch; L = Lₑ + ρ/π·(H of lamps + H of lights without area + H of all else).
-//! What lights without area and the sky send by way of mirrors, metals and glass is that of the patches, smoothed.
+//! Final gathering: light at a point itself, not at its patch; L = Lₑ + ρ/π·(H of lamps + H of lights without area + H of all else), and on
+//! sheets τ/π times the same of their other side more. What lights without area and the sky send by way of mirrors, metals and glass is that
+//! of the patches, smoothed.
 //!
 //! Lamps are sampled at points drawn on them, everything else by cosine-distributed rays that bring back the solution
 //! where they land. Such rays meet lamps too. Both ways count, weighted by the balance heuristic (Veach &
@@ -34,8 +35,9 @@ pub(super) struct Gather<'a, 's> {
     carried: Option<Field<'a, 's>>,
     /// Radiance L wherever rays land.
     radiance: Elements<'a, 's>,
-    /// Of every material.
-    reflectance: Vec<DVec3>,
+    /// Of every material, front and back.
+    reflectance: Vec<[DVec3; 2]>,
+    transmittance: Vec<Option<DVec3>>,
     emission: Vec<DVec3>,
     /// Emission of each patch, where textures vary it; else none.
     emitted: Option<Vec<DVec3>>,
@@ -67,7 +69,11 @@ impl<'a, 's> Gather<'a, 's> {
             lights: Lights::new(tracer),
             carried: carried.map(|field| Field::smooth(tracer, patches, field)),
             radiance: Elements::new(patches, radiance),
-            reflectance: materials.iter().map(|m| to_rgb(&m.reflectance).into()).collect(),
+            reflectance: materials
+                .iter()
+                .map(|m| Side::BOTH.map(|side| to_rgb(m.reflectance_of(side)).into()))
+                .collect(),
+            transmittance: materials.iter().map(|m| Some(to_rgb(m.transmittance()?).into())).collect(),
             emission: materials.iter().map(|m| to_rgb(&m.emission).into()).collect(),
             emitted: tracer.scene().has_textures().then(|| rgb_rows(&patches.sources()).collect()),
         }
@@ -141,11 +147,11 @@ impl<'a, 's> Gather<'a, 's> {
 
     /// Radiance that leaves where a ray ended, estimated with random numbers for a point of the lamps and a direction.
     fn radiance(&self, hit: &Hit, numbers: (Sequence, u32), views: &mut Views) -> DVec3 {
-        let [s, t, u, v] = numbers.0.dimensions(numbers.1, 1);
         let place = self.place(hit);
         let material = self.tracer.scene().faces()[hit.face as usize].material as usize;
         let scene = self.tracer.scene();
-        let [mut reflectance, mut emitted] = [self.reflectance[material], DVec3::ZERO];
+        let mut reflectance = self.reflectance[material][usize::from(hit.side == Side::Back)];
+        let mut emitted = DVec3::ZERO;
         if let Some(texture) = scene.reflectance_texture(hit.face as usize) {
             reflectance *= DVec3::from(texture.at(hit.barycentrics));
         }
@@ -154,23 +160,37 @@ impl<'a, 's> Gather<'a, 's> {
             let factors = texture.map_or(DVec3::ONE, |texture| texture.at(hit.barycentrics).into());
             emitted = self.emission[material] * factors;
         }
-        if reflectance == DVec3::ZERO {
-            return emitted;
+        let mut radiance = emitted;
+        if reflectance != DVec3::ZERO {
+            radiance += reflectance * self.arriving((&place, hit.barycentrics), numbers, views);
         }
+        if let Some(transmittance) = self.transmittance[material] {
+            let other = Place { side: place.side.other(), normal: -place.normal, ..place };
+            radiance += transmittance * self.arriving((&other, hit.barycentrics), numbers, views);
+        }
+        radiance
+    }
+
+    /// H/π at a place.
+    fn arriving(
+        &self,
+        (place, barycentrics): (&Place, [f64; 2]),
+        numbers: (Sequence, u32),
+        views: &mut Views,
+    ) -> DVec3 {
+        let [s, t, u, v] = numbers.0.dimensions(numbers.1, 1);
         let view = &views.seen_at(&self.lamps, (place.face, place.side), place.point, place.normal).clone();
-        emitted
-            + reflectance
-                * (self.light_of_lamps(&place, view, [s, t])
-                    + self.light_around(&place, (view, views), [u, v], numbers)
-                    + self.light_of_lights(&place, [s, t])
-                    + self.carried_light(hit))
+        self.light_of_lamps(place, view, [s, t])
+            + self.light_around(place, (view, views), [u, v], numbers)
+            + self.light_of_lights(place, [s, t])
+            + self.carried_light(place, barycentrics)
     }
 
     /// H₀/π: of lights without area and the sky by way of carriers, as it was solved.
-    fn carried_light(&self, hit: &Hit) -> DVec3 {
-        let patch = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics);
+    fn carried_light(&self, place: &Place, barycentrics: [f64; 2]) -> DVec3 {
+        let patch = self.patches.patch_at(place.face as usize, place.side, barycentrics);
         let field = self.carried.as_ref().zip(patch);
-        field.map_or(DVec3::ZERO, |(field, patch)| field.at(patch, hit.barycentrics) * FRAC_1_PI)
+        field.map_or(DVec3::ZERO, |(field, patch)| field.at(patch, barycentrics) * FRAC_1_PI)
     }
 
     /// H₀/π: straight from lights without area and from the sky.

@@ -1,7 +1,8 @@
 //! Painted: the solution on surfaces whose textures are shown, L = Lₑ(u, v) + ρ(u, v) H/π.
 //!
 //! Patches know L̄ = L̄ₑ + ρ̄H/π, with means over the patch. What they reflect and ρ̄ are laid over the surface in the same way, and
-//! H/π is the one by the other: so pictures neither blur textures nor show the patches that averaged them.
+//! H/π is the one by the other: so pictures neither blur textures nor show the patches that averaged them. On sheets ρ + τ stands for ρ, as if both sides
+//! were lit alike: right in the mean over a patch, while the contrast of a texture that is lit from behind is shown too strong.
 
 use glam::DVec3;
 use nalgebra::DMatrix;
@@ -11,14 +12,15 @@ use super::field::Field;
 use crate::patches::{Basis, Patches};
 use crate::scene::{Scene, Side};
 use crate::trace::Hit;
+use crate::transport::Reflection;
 
 /// The light on textured surfaces.
 pub(super) struct Painted<'a, 's> {
     scene: &'s Scene,
-    /// ρ̄H/π.
+    /// ρ̄H/π, and what comes through.
     reflected: Field<'a, 's>,
-    /// ρ̄.
-    reflectance: Field<'a, 's>,
+    /// ρ̄ + τ.
+    passed_on: Field<'a, 's>,
 }
 
 impl<'a, 's> Painted<'a, 's> {
@@ -35,8 +37,9 @@ impl<'a, 's> Painted<'a, 's> {
         let basis = Basis::of(patches, radiance);
         let emitted = basis.coefficients_of(&patches.sources());
         let reflected = radiance.zip_map(&emitted, |all, own| (all - own).max(0.0));
-        let reflectance = spread(&basis.coefficients_of(&patches.reflectances()));
-        Some(Self { scene, reflected: spread(&reflected), reflectance })
+        let passed_on = Reflection::of(patches).passed_on();
+        let passed_on = spread(&basis.coefficients_of(&passed_on));
+        Some(Self { scene, reflected: spread(&reflected), passed_on })
     }
 
     /// Radiance at a point of a textured face; none where the face has no texture.
@@ -49,7 +52,10 @@ impl<'a, 's> Painted<'a, 's> {
         }
         let material = self.scene.material_of(face);
         let factors = reflectance.map_or(DVec3::ONE, |texture| texture.at(point).into());
-        let reflectance = DVec3::from(to_rgb(&material.reflectance)) * factors;
+        let mut passed_on = DVec3::from(to_rgb(material.reflectance_of(hit.side))) * factors;
+        if let Some(transmittance) = material.transmittance() {
+            passed_on += DVec3::from(to_rgb(transmittance));
+        }
         let emitted = match hit.side {
             Side::Front => {
                 let factors = emission.map_or(DVec3::ONE, |texture| texture.at(point).into());
@@ -57,9 +63,9 @@ impl<'a, 's> Painted<'a, 's> {
             }
             Side::Back => DVec3::ZERO,
         };
-        let (light, mean) = (self.reflected.at(patch, point), self.reflectance.at(patch, point));
+        let (light, mean) = (self.reflected.at(patch, point), self.passed_on.at(patch, point));
         // Where nothing around reflects, nothing is reflected.
-        let reflected = |c: usize| if mean[c] > 0.0 { reflectance[c] * light[c] / mean[c] } else { 0.0 };
+        let reflected = |c: usize| if mean[c] > 0.0 { passed_on[c] * light[c] / mean[c] } else { 0.0 };
         Some(emitted + DVec3::new(reflected(0), reflected(1), reflected(2)))
     }
 }
