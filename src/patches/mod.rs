@@ -29,7 +29,7 @@ use rayon::prelude::*;
 
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{FaceTexture, Feature, Scene, Side};
-use crate::trace::{Frame, Ray, Tracer, sampling};
+use crate::trace::{Coat, Frame, Ray, Tracer, sampling};
 pub use aggregate::FaceRow;
 pub use basis::Basis;
 pub use clusters::Clusters;
@@ -117,6 +117,10 @@ pub struct Patches<'s> {
     slot_of_patch: Vec<u32>,
     /// Per patch, normalised frame.
     areas: Vec<f64>,
+    /// Per material, the part of even light that gets under its coat; empty where none has one.
+    passed: Vec<f64>,
+    /// Per patch, normalised frame; empty where they are the areas.
+    etendues: Vec<f64>,
     edge: f64,
 }
 
@@ -219,6 +223,8 @@ impl<'s> Patches<'s> {
             first_slot,
             slot_of_patch: Vec::new(),
             areas: Vec::new(),
+            passed: passed_by_coats(tracer),
+            etendues: Vec::new(),
             edge,
         })
     }
@@ -262,6 +268,12 @@ impl<'s> Patches<'s> {
                 share * self.face_area(face)
             })
             .collect();
+        if !self.passed.is_empty() {
+            let etendue = |i: usize| {
+                self.areas[i] * self.passed[self.scene.faces()[self.place(i).face].material as usize]
+            };
+            self.etendues = (0..self.len()).map(etendue).collect();
+        }
     }
 
     /// Number of patches n.
@@ -386,6 +398,12 @@ impl<'s> Patches<'s> {
         &self.areas
     }
 
+    /// Étendues by π in the normalised frame, n values: the area of a patch, or A (1 − Ē) under a [coat](crate::trace::Coat). What a patch of
+    /// radiance L sends out is π L times this.
+    pub fn etendues(&self) -> &[f64] {
+        if self.passed.is_empty() { &self.areas } else { &self.etendues }
+    }
+
     /// Area of a patch, m².
     pub fn area(&self, patch: usize) -> f64 {
         self.areas[patch] * self.frame.scale().powi(2)
@@ -466,11 +484,17 @@ impl<'s> Patches<'s> {
     }
 
     /// A slot's place in the normalised frame.
-    pub(crate) fn facet(&self, tracer: &Tracer, slot: u32) -> Facet {
+    pub(crate) fn facet<'t>(&self, tracer: &'t Tracer, slot: u32) -> Facet<'t> {
         let Slot { face, side, cell } = self.slot(slot);
         let [p, q, r] = *tracer.corners(face);
         let corners = self.cuts.corners(face, cell).map(|[u, v]| p + (q - p) * u + (r - p) * v);
-        Facet { face: face as u32, corners, normal: tracer.normal(face, side) }
+        let face_number = face as u32;
+        Facet {
+            face: face_number,
+            corners,
+            normal: tracer.normal(face, side),
+            coat: tracer.coat_of(face_number),
+        }
     }
 }
 
@@ -485,13 +509,27 @@ pub struct LampGroup {
 
 /// One side of a cell: a triangle that sees.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Facet {
+pub(crate) struct Facet<'t> {
     pub face: u32,
     pub corners: [DVec3; 3],
     pub normal: DVec3,
+    pub coat: Option<&'t Coat>,
 }
 
-impl Facet {
+/// The part of even light that gets under each material's coat; nothing at all where none has one.
+fn passed_by_coats(tracer: &Tracer) -> Vec<f64> {
+    let scene = tracer.scene();
+    let mut passed = Vec::new();
+    for face in 0..scene.faces().len() {
+        if let Some(coat) = tracer.coat_of(face as u32) {
+            passed.resize(scene.materials().len(), 1.0);
+            passed[scene.faces()[face].material as usize] = coat.passed_of_all();
+        }
+    }
+    passed
+}
+
+impl<'t> Facet<'t> {
     /// The point that lies where [u, v] in the unit square does, uniform over the triangle.
     #[inline]
     pub fn point(&self, square: [f64; 2]) -> DVec3 {
@@ -505,12 +543,22 @@ impl Facet {
         (a + b + c) / 3.0
     }
 
-    /// Cosine-distributed rays from all over the facet: points `range` of a random sequence.
-    pub fn rays(self, sequence: sampling::Sequence, range: Range<u32>) -> impl Iterator<Item = Ray> {
+    /// By how much light from a direction counts more than even light does: 1 where there is no coat.
+    #[inline]
+    pub fn weight(&self, direction: DVec3) -> f64 {
+        self.coat.map_or(1.0, |coat| coat.weight(self.normal.dot(direction)))
+    }
+
+    /// Rays from all over the facet, distributed by the cosine or as its coat lets light out: points `range` of a random sequence.
+    pub fn rays(self, sequence: sampling::Sequence, range: Range<u32>) -> impl Iterator<Item = Ray> + 't {
         let frame = sampling::frame_around(self.normal);
         range.map(move |k| {
             let [s, t, x, y] = sequence.point(k);
-            let direction = frame * sampling::cosine_hemisphere([x, y]);
+            let direction = match self.coat {
+                None => sampling::cosine_hemisphere([x, y]),
+                Some(coat) => coat.leaving([x, y]),
+            };
+            let direction = frame * direction;
             Ray { origin: self.point([s, t]), direction, from: self.face }
         })
     }

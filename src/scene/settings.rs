@@ -57,7 +57,7 @@ struct ReceiverSettings {
 struct MaterialSettings {
     reflectance: Option<Colour>,
     emission: Option<Colour>,
-    /// Of rough conductors, 0 to 1.
+    /// Of rough conductors and plastic, 0 to 1.
     roughness: Option<f64>,
     /// Whether glass is a sheet, and not the surface of a solid.
     #[serde(default)]
@@ -139,9 +139,11 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
             material.surface = Surface::Pane { index: *index, filter };
         }
         if let Some(given) = roughness {
-            let Surface::Conductor { roughness, .. } = &mut material.surface else {
-                let message =
-                    "only metals have a roughness; make it one by `Pm 1` in the MTL file, or remove it";
+            let (Surface::Conductor { roughness, .. } | Surface::Plastic { roughness, .. }) =
+                &mut material.surface
+            else {
+                let message = "only metals and plastic have a roughness; make it metal by `Pm 1` or plastic by `Pr` in the MTL file, \
+                               or remove it";
                 return Err(wrong(message.into()));
             };
             *roughness = *given;

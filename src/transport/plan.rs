@@ -74,20 +74,6 @@ impl Plan {
     pub fn new(scene: &Scene) -> Self {
         let effect = |effect, on, reason: &str| Effect::new(effect, on, reason);
         let reflects = scene.materials().iter().any(|m| m.reflects());
-        let called_for = |effect, what: &str, wants: &dyn Fn(usize) -> bool| {
-            let names: Vec<&str> = scene
-                .materials()
-                .iter()
-                .enumerate()
-                .filter(|&(k, _)| wants(k))
-                .map(|(_, m)| m.name.as_str())
-                .collect();
-            let reason = match names.len() {
-                0 => format!("no {what}"),
-                _ => format!("not simulated yet; taken as diffuse: {}", names.join(", ")),
-            };
-            Effect::new(effect, false, reason)
-        };
         let used: Vec<&Material> = {
             let on_faces = |k: &usize| scene.faces().iter().any(|face| face.material as usize == *k);
             (0..scene.materials().len()).filter(on_faces).map(|k| &scene.materials()[k]).collect()
@@ -97,12 +83,12 @@ impl Plan {
             let reason = if names.is_empty() { format!("no {what}") } else { names.join(", ") };
             Effect::new(effect, !names.is_empty(), reason)
         };
-        let carriers = used.iter().any(|m| m.surface.is_carrier());
+        let carriers = used.iter().any(|m| m.surface.passes_on());
         let caustics = match (carriers, used.iter().any(|m| m.emits())) {
-            (false, _) => effect("caustics", false, "no mirror, metal or glass"),
+            (false, _) => effect("caustics", false, "no mirror, metal, glass or plastic"),
             (true, false) => effect("caustics", false, "no lamp"),
             (true, true) => {
-                effect("caustics", true, "light shot from lamps through mirrors, metals and glass")
+                effect("caustics", true, "light shot from lamps through mirrors, metals, glass and coats")
             }
         };
         let coloured: Vec<&str> = used
@@ -148,7 +134,7 @@ impl Plan {
                 carrier_colour,
                 carrier("thin glass", "thin glass", |surface| matches!(surface, Surface::Pane { .. })),
                 carrier("gloss", "rough metal", |surface| matches!(surface, Surface::Conductor { .. })),
-                called_for("plastic", "plastic", &|k| scene.materials()[k].surface == Surface::Plastic),
+                carrier("plastic", "plastic", |surface| matches!(surface, Surface::Plastic { .. })),
                 textures(&used),
             ],
         }
@@ -195,10 +181,5 @@ impl Plan {
             };
         }
         self
-    }
-
-    /// The effects that the scene calls for and that are not simulated.
-    pub fn missing(&self) -> impl Iterator<Item = &Effect> {
-        self.effects.iter().filter(|e| !e.on && e.reason.starts_with("not simulated"))
     }
 }
