@@ -12,6 +12,7 @@ mod aggregate;
 mod basis;
 mod clusters;
 mod contacts;
+mod facet;
 mod groups;
 mod locator;
 mod outlook;
@@ -29,10 +30,11 @@ use rayon::prelude::*;
 
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{FaceTexture, Feature, Scene, Side};
-use crate::trace::{Coat, Frame, Ray, Tracer, sampling};
+use crate::trace::{Frame, Tracer};
 pub use aggregate::FaceRow;
 pub use basis::Basis;
 pub use clusters::Clusters;
+pub(crate) use facet::Facet;
 pub use groups::{Group, GroupBy, Groups};
 pub use outlook::Outlook;
 use parts::{Parting, Parts};
@@ -117,8 +119,8 @@ pub struct Patches<'s> {
     slot_of_patch: Vec<u32>,
     /// Per patch, normalised frame.
     areas: Vec<f64>,
-    /// Per material, the part of even light that gets under its coat; empty where none has one.
-    passed: Vec<f64>,
+    /// Per slot, étendue by π per area; empty where all are 1.
+    per_area: Vec<f64>,
     /// Per patch, normalised frame; empty where they are the areas.
     etendues: Vec<f64>,
     edge: f64,
@@ -213,7 +215,7 @@ impl<'s> Patches<'s> {
         for face in 0..faces {
             first_slot.push(first_slot[face] + 2 * cuts.cells(face));
         }
-        Ok(Self {
+        let mut patches = Self {
             scene,
             frame: *tracer.frame(),
             reach: options.reach,
@@ -223,10 +225,12 @@ impl<'s> Patches<'s> {
             first_slot,
             slot_of_patch: Vec::new(),
             areas: Vec::new(),
-            passed: passed_by_coats(tracer),
+            per_area: Vec::new(),
             etendues: Vec::new(),
             edge,
-        })
+        };
+        patches.per_area = patches.etendues_per_area(tracer);
+        Ok(patches)
     }
 
     /// Cuts with a known edge (normalised); the patches are the given slots, or those that light reaches.
@@ -268,11 +272,9 @@ impl<'s> Patches<'s> {
                 share * self.face_area(face)
             })
             .collect();
-        if !self.passed.is_empty() {
-            let etendue = |i: usize| {
-                self.areas[i] * self.passed[self.scene.faces()[self.place(i).face].material as usize]
-            };
-            self.etendues = (0..self.len()).map(etendue).collect();
+        if !self.per_area.is_empty() {
+            let per_area = self.slot_of_patch.iter().map(|&slot| self.per_area[slot as usize]);
+            self.etendues = self.areas.iter().zip(per_area).map(|(area, each)| area * each).collect();
         }
     }
 
@@ -398,10 +400,10 @@ impl<'s> Patches<'s> {
         &self.areas
     }
 
-    /// Étendues by π in the normalised frame, n values: the area of a patch, or A (1 − Ē) under a [coat](crate::trace::Coat). What a patch of
-    /// radiance L sends out is π L times this.
+    /// Étendues by π in the normalised frame, n values: A n² (1 − Ē) in a medium of index of refraction n and under a
+    /// [coat](crate::trace::Coat), elsewhere the area. What a patch of radiance L, by n², sends out is π L times this.
     pub fn etendues(&self) -> &[f64] {
-        if self.passed.is_empty() { &self.areas } else { &self.etendues }
+        if self.per_area.is_empty() { &self.areas } else { &self.etendues }
     }
 
     /// Area of a patch, m².
@@ -482,20 +484,6 @@ impl<'s> Patches<'s> {
         };
         emitting.map(group).filter(|group| group.sources.amax() > 0.0).collect()
     }
-
-    /// A slot's place in the normalised frame.
-    pub(crate) fn facet<'t>(&self, tracer: &'t Tracer, slot: u32) -> Facet<'t> {
-        let Slot { face, side, cell } = self.slot(slot);
-        let [p, q, r] = *tracer.corners(face);
-        let corners = self.cuts.corners(face, cell).map(|[u, v]| p + (q - p) * u + (r - p) * v);
-        let face_number = face as u32;
-        Facet {
-            face: face_number,
-            corners,
-            normal: tracer.normal(face, side),
-            coat: tracer.coat_of(face_number),
-        }
-    }
 }
 
 /// The lamps of one material.
@@ -505,61 +493,4 @@ pub struct LampGroup {
     pub material: String,
     /// Emitted radiance Lₑ of these lamps alone, n × c, W·sr⁻¹·m⁻².
     pub sources: DMatrix<f64>,
-}
-
-/// One side of a cell: a triangle that sees.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Facet<'t> {
-    pub face: u32,
-    pub corners: [DVec3; 3],
-    pub normal: DVec3,
-    pub coat: Option<&'t Coat>,
-}
-
-/// The part of even light that gets under each material's coat; nothing at all where none has one.
-fn passed_by_coats(tracer: &Tracer) -> Vec<f64> {
-    let scene = tracer.scene();
-    let mut passed = Vec::new();
-    for face in 0..scene.faces().len() {
-        if let Some(coat) = tracer.coat_of(face as u32) {
-            passed.resize(scene.materials().len(), 1.0);
-            passed[scene.faces()[face].material as usize] = coat.passed_of_all();
-        }
-    }
-    passed
-}
-
-impl<'t> Facet<'t> {
-    /// The point that lies where [u, v] in the unit square does, uniform over the triangle.
-    #[inline]
-    pub fn point(&self, square: [f64; 2]) -> DVec3 {
-        let [a, b, c] = self.corners;
-        let [u, v] = sampling::uniform_triangle(square);
-        a + (b - a) * u + (c - a) * v
-    }
-
-    pub fn centre(&self) -> DVec3 {
-        let [a, b, c] = self.corners;
-        (a + b + c) / 3.0
-    }
-
-    /// By how much light from a direction counts more than even light does: 1 where there is no coat.
-    #[inline]
-    pub fn weight(&self, direction: DVec3) -> f64 {
-        self.coat.map_or(1.0, |coat| coat.weight(self.normal.dot(direction)))
-    }
-
-    /// Rays from all over the facet, distributed by the cosine or as its coat lets light out: points `range` of a random sequence.
-    pub fn rays(self, sequence: sampling::Sequence, range: Range<u32>) -> impl Iterator<Item = Ray> + 't {
-        let frame = sampling::frame_around(self.normal);
-        range.map(move |k| {
-            let [s, t, x, y] = sequence.point(k);
-            let direction = match self.coat {
-                None => sampling::cosine_hemisphere([x, y]),
-                Some(coat) => coat.leaving([x, y]),
-            };
-            let direction = frame * direction;
-            Ray { origin: self.point([s, t]), direction, from: self.face }
-        })
-    }
 }

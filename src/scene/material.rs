@@ -15,9 +15,9 @@ pub enum Surface {
         /// Reflectance Ks per channel, 0 to 1.
         reflectance: Vec<f64>,
     },
-    /// Smooth glass or water (`illum 4`, `6`, `7` or `9`), bounded by closed surfaces that front outward.
+    /// Smooth glass or water (`illum 4`, `6`, `7` or `9`), bounded by closed surfaces that front outward. Solids may lie in each other.
     Dielectric {
-        /// Index of refraction Ni of what lies behind the front, relative to what lies before it.
+        /// Index of refraction Ni of what lies behind the front; 1 outside of all such solids.
         index: f64,
         /// Which part of the light Tf passes at each crossing of the surface, per channel, 0 to 1.
         filter: Vec<f64>,

@@ -14,6 +14,7 @@ mod environment;
 mod gloss;
 mod lamps;
 mod lights;
+mod media;
 pub mod sampling;
 mod scatter;
 mod sky;
@@ -30,6 +31,7 @@ pub use convex::{Enclosure, NotConvex};
 use gloss::Gloss;
 pub use lamps::{LampPoint, LampView, Lamps, form_factor_to_triangle, geometry_term};
 pub use lights::{Beam, Lights, solid_angle};
+use media::Media;
 pub use scatter::{Destination, Glossy, Scattered, Tint, fresnel};
 pub use sky::{SkyBeam, SkySampler};
 
@@ -133,6 +135,8 @@ pub struct Tracer<'s> {
     finishes: Vec<Finish<'s>>,
     /// Whether some face is of thin glass.
     has_panes: bool,
+    /// What lies around solids of glass.
+    media: Media,
     bvh: Bvh,
 }
 
@@ -150,7 +154,9 @@ impl<'s> Tracer<'s> {
         let is_pane = |&f: &u32| matches!(scene.material_of(f as usize).surface, Surface::Pane { .. });
         let has_panes = kept.iter().any(is_pane);
         let (encounters, finishes) = (encounters_of(scene), finishes_of(scene));
-        Self { scene, frame, corners, normals, encounters, finishes, has_panes, bvh }
+        let media = Media::default();
+        let tracer = Self { scene, frame, corners, normals, encounters, finishes, has_panes, media, bvh };
+        Self { media: Media::new(&tracer), ..tracer }
     }
 
     /// The scene whose faces these are.

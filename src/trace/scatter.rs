@@ -196,7 +196,8 @@ impl<'s> Tracer<'s> {
         match &self.scene.material_of(face).surface {
             Surface::Mirror { reflectance } => (way(reflected, 1.0, Some(Tint::of(reflectance))), None),
             Surface::Dielectric { index, filter } => {
-                let ratio = if hit.side == Side::Front { *index } else { 1.0 / index };
+                let index = self.media.relative(face, *index);
+                let ratio = if hit.side == Side::Front { index } else { 1.0 / index };
                 // Snell: sin θ = ratio · sin θ′.
                 let inside = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);
                 if inside <= 0.0 {
