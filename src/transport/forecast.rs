@@ -99,6 +99,7 @@ pub(super) struct Parts {
     pub backs: f64,
     pub lamps: Cost,
     pub carriers: Cost,
+    pub coats: Cost,
     pub caustics: Cost,
     pub lights: Cost,
     pub sky: Cost,
@@ -176,6 +177,8 @@ impl Forecast {
         let rows = cost(rays, shared(rays * ray) + exact, rays * landing_bytes);
         let met = rays * density.carried * CARRIERS_MET;
         let carriers = cost(met, shared(met * ray), 0.0);
+        let turned = rays * density.landing * coated_share(tracer);
+        let coats = cost(turned, shared(turned * ray), 0.0);
         let pairs = patches * f64::from(lamp_rays);
         let lamp_columns = cost(pairs, shared(pairs * shadow_ray), 0.0);
         let has_caustics = work.trace.caustics == Shots::Shot && tracer.has_carriers() && !lamps.is_empty();
@@ -234,7 +237,7 @@ impl Forecast {
             ("load", cost(0.0, 1e-9 * faces as f64 * FACE_READ, 0.0)),
             ("build", cost(0.0, 1e-9 * faces as f64 * FACE_BUILT, 0.0)),
             ("patch", cost(around, shared(around * ray), outlook.slots * 40.0)),
-            ("trace", sum(&[rows, carriers, traced, caustics])),
+            ("trace", sum(&[rows, carriers, coats, traced, caustics])),
             ("balance", balance),
             ("light", light),
             ("factor", factor),
@@ -261,6 +264,7 @@ impl Forecast {
             backs,
             lamps: lamp_columns,
             carriers,
+            coats,
             caustics,
             lights,
             sky,
@@ -285,6 +289,21 @@ impl Forecast {
             + of(&["trace"]).max(of(&["factor", "solve", "series", "render"]));
         Cost { bytes, ..sum(&self.stages.iter().map(|stage| stage.cost).collect::<Vec<_>>()) }
     }
+}
+
+/// The part of rays, landing anywhere on diffuse surfaces, that coats reflect.
+fn coated_share(tracer: &Tracer) -> f64 {
+    if !tracer.has_facets() {
+        return 0.0;
+    }
+    let (mut area, mut reflected) = (0.0, 0.0);
+    for face in (0..tracer.scene().faces().len()).filter(|&face| tracer.scene().is_diffuse(face)) {
+        let [a, b, c] = *tracer.corners(face);
+        let own = (b - a).cross(c - a).length();
+        area += own;
+        reflected += own * tracer.coat_of(face as u32).map_or(0.0, |coat| 1.0 - coat.passed_of_all());
+    }
+    if area > 0.0 { reflected / area } else { 0.0 }
 }
 
 fn sum(costs: &[Cost]) -> Cost {

@@ -176,6 +176,7 @@ impl Plan {
                 "sky" => parts.sky,
                 "receivers" => parts.receivers,
                 "mirror" | "dielectric" => parts.carriers,
+                "plastic" => parts.coats,
                 "caustics" => parts.caustics,
                 _ => Cost::default(),
             };
