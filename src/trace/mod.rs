@@ -117,7 +117,7 @@ enum Finish<'s> {
     /// None.
     Plain,
     /// Those of a rough conductor.
-    Metal(Gloss<'s>),
+    Metal(Box<Gloss<'s>>),
     /// Those of a coat over a diffuse base.
     Coated(Arc<Coat>),
 }
@@ -244,10 +244,10 @@ impl<'s> Tracer<'s> {
 
 /// What becomes of rays that meet each face; nothing at all where all end.
 fn encounters_of(scene: &Scene) -> Vec<Encounter> {
-    let of = |face: usize| match () {
-        _ if scene.is_carrier(face) => Encounter::GoesOn,
-        _ if scene.passes_on(face) => Encounter::Either,
-        _ => Encounter::Ends,
+    let of = |face: usize| match (scene.passes_on(face), scene.is_carrier(face)) {
+        (true, true) => Encounter::GoesOn,
+        (true, false) => Encounter::Either,
+        (false, _) => Encounter::Ends,
     };
     let all: Vec<Encounter> = (0..scene.faces().len()).map(of).collect();
     if all.iter().all(|&encounter| encounter == Encounter::Ends) { Vec::new() } else { all }
@@ -256,21 +256,22 @@ fn encounters_of(scene: &Scene) -> Vec<Encounter> {
 /// The facets of each material; nothing at all where none has any.
 fn finishes_of(scene: &Scene) -> Vec<Finish<'_>> {
     let mut coats: Vec<([f64; 2], Arc<Coat>)> = Vec::new();
-    let of = |surface| match surface {
-        &Surface::Conductor { ref reflectance, roughness } => {
-            Finish::Metal(Gloss::new(roughness, reflectance))
-        }
-        // Materials with the same coat share it.
-        &Surface::Plastic { index, roughness } => {
-            let known = coats.iter().position(|(key, _)| *key == [roughness, index]);
-            let known = known.unwrap_or_else(|| {
-                coats.push(([roughness, index], Arc::new(Coat::new(roughness, index, scene.channels()))));
-                coats.len() - 1
-            });
-            Finish::Coated(coats[known].1.clone())
-        }
-        _ => Finish::Plain,
-    };
-    let all: Vec<Finish> = scene.materials().iter().map(|material| &material.surface).map(of).collect();
+    let mut all = Vec::with_capacity(scene.materials().len());
+    for material in scene.materials() {
+        all.push(match material.surface {
+            Surface::Conductor { ref reflectance, roughness } => {
+                Finish::Metal(Box::new(Gloss::new(roughness, reflectance)))
+            }
+            // Materials with the same coat share it.
+            Surface::Plastic { index, roughness } => {
+                let known = coats.iter().find(|(key, _)| *key == [roughness, index]);
+                let coat = known.map(|(_, coat)| coat.clone());
+                let coat = coat.unwrap_or_else(|| Arc::new(Coat::new(roughness, index, scene.channels())));
+                coats.push(([roughness, index], coat.clone()));
+                Finish::Coated(coat)
+            }
+            _ => Finish::Plain,
+        });
+    }
     if all.iter().all(|finish| matches!(finish, Finish::Plain)) { Vec::new() } else { all }
 }
