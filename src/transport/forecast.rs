@@ -177,7 +177,8 @@ impl Forecast {
         let rows = cost(rays, shared(rays * ray) + exact, rays * landing_bytes);
         let met = rays * density.carried * CARRIERS_MET;
         let carriers = cost(met, shared(met * ray), 0.0);
-        let turned = rays * density.landing * coated_share(tracer);
+        let [coated, turned] = coated_shares(tracer);
+        let turned = rays * density.landing * turned;
         let coats = cost(turned, shared(turned * ray), 0.0);
         let pairs = patches * f64::from(lamp_rays);
         let lamp_columns = cost(pairs, shared(pairs * shadow_ray), 0.0);
@@ -225,7 +226,7 @@ impl Forecast {
         let sky = cost(to_sky, shared(to_sky * shadow_ray), 0.0);
         let points: f64 = scene.receivers().iter().map(|receiver| receiver.len() as f64).sum();
         let receivers = cost(points * look, shared(points * look * ray), 0.0);
-        let seen = work.pixels as f64 * PIXEL_RAYS * (1.0 + density.carried * PIXEL_CARRIED);
+        let seen = work.pixels as f64 * PIXEL_RAYS * (1.0 + (density.carried + coated) * PIXEL_CARRIED);
         let render = cost(0.0, shared(work.pixels as f64 * PIXEL + seen * ray), work.pixels as f64 * 24.0);
         let around = outlook.slots * LOOKS;
 
@@ -291,19 +292,22 @@ impl Forecast {
     }
 }
 
-/// The part of rays, landing anywhere on diffuse surfaces, that coats reflect.
-fn coated_share(tracer: &Tracer) -> f64 {
+/// The part of diffuse surfaces that is coated, and the part of rays, landing anywhere on these, that coats reflect.
+fn coated_shares(tracer: &Tracer) -> [f64; 2] {
     if !tracer.has_facets() {
-        return 0.0;
+        return [0.0; 2];
     }
-    let (mut area, mut reflected) = (0.0, 0.0);
+    let (mut area, mut shares) = (0.0, [0.0; 2]);
     for face in (0..tracer.scene().faces().len()).filter(|&face| tracer.scene().is_diffuse(face)) {
         let [a, b, c] = *tracer.corners(face);
         let own = (b - a).cross(c - a).length();
         area += own;
-        reflected += own * tracer.coat_of(face as u32).map_or(0.0, |coat| 1.0 - coat.passed_of_all());
+        if let Some(coat) = tracer.coat_of(face as u32) {
+            shares[0] += own;
+            shares[1] += own * (1.0 - coat.passed_of_all());
+        }
     }
-    if area > 0.0 { reflected / area } else { 0.0 }
+    shares.map(|share| if area > 0.0 { share / area } else { 0.0 })
 }
 
 fn sum(costs: &[Cost]) -> Cost {

@@ -10,8 +10,8 @@ use radiosity::scene::{Camera, Light, Material, Scene, SceneError, Sky, SkyKind,
 use radiosity::solve::{self, DirectOptions, SolveOptions};
 use radiosity::trace::{Tracer, fresnel};
 use radiosity::transport::{
-    FactorsFileError, FormFactors, Keep, LightOptions, Plan, Sources, StorageKind, Switches, TraceOptions,
-    Transport, TransportError,
+    FactorsFileError, Forecast, FormFactors, Keep, LightOptions, Plan, Solving, Sources, StorageKind,
+    Switches, TraceOptions, Transport, TransportError, Work,
 };
 
 use crate::scenes::{flipped, lit_quads, quads, room};
@@ -296,11 +296,31 @@ fn saved_form_factors_know_the_coat_and_not_what_lies_under_it() {
 }
 
 #[test]
+fn an_empty_room_with_a_coat_takes_rays() {
+    let walls = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
+    let of = |material| Tracer::new(&quads(&walls, vec![material])).enclosure().is_ok();
+    assert!(of(Material::diffuse("wall", &[0.5])) && !of(Material::plastic("wall", (0.0, 1.5), &[0.5])));
+}
+
+#[test]
 fn the_plan_simulates_plastic() {
     let plan = Plan::new(&furnace_with(Material::plastic("bakelite", (0.5, 1.5), &[0.8])));
     let on: Vec<&str> = plan.effects.iter().filter(|e| e.on).map(|e| e.effect).collect();
     assert_eq!(on, ["interreflection", "occlusion rays", "back sides", "lamps", "caustics", "plastic"]);
     assert!(plan.effects.iter().any(|e| e.effect == "plastic" && e.reason == "bakelite"));
+    let scene = furnace_with(Material::plastic("bakelite", (0.5, 1.5), &[0.8]));
+    let work = Work {
+        tessellation: &Tessellation::default(),
+        trace: &TraceOptions::default(),
+        light: &LightOptions::default(),
+        solving: Solving::Either,
+        memory: 1 << 30,
+        tolerance: 1e-6,
+        order: 100,
+        pixels: 0,
+    };
+    let plan = plan.foretold(&Forecast::new(&Tracer::new(&scene), &work));
+    assert!(plan.effects.iter().all(|e| (e.effect == "plastic") <= (e.cost.rays > 0)));
 }
 
 /// The material of a scene file with these lines in its MTL and TOML files.
