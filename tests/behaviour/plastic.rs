@@ -103,9 +103,14 @@ fn sheet_and_lamp(angle: f64, coat: (f64, f64)) -> Scene {
         [sine + along * cosine, cosine - along * sine, across]
     };
     let lamp = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-    let materials =
-        vec![Material::plastic("plastic", coat, &[0.7]), Material::lamp("lamp", &[0.0], &[100.0])];
-    quads(&[(sheet, 0), (lamp, 1)], materials)
+    // Black ground, so that the lamp is small beside all else.
+    let ground = [[-1.0, -0.5, -1.0], [-1.0, -0.5, 1.0], [1.0, -0.5, 1.0], [1.0, -0.5, -1.0]];
+    let materials = vec![
+        Material::plastic("plastic", coat, &[0.7]),
+        Material::lamp("lamp", &[0.0], &[100.0]),
+        Material::diffuse("ground", &[0.0]),
+    ];
+    quads(&[(sheet, 0), (lamp, 1), (ground, 2)], materials)
 }
 
 #[test]
@@ -113,27 +118,30 @@ fn light_from_a_lamp_gets_under_a_smooth_coat_by_fresnels_formulas() {
     for angle in [0.1, 0.9, 1.3] {
         let scene = sheet_and_lamp(angle, (0.0, 1.5));
         let tracer = Tracer::new(&scene);
-        let mut patches = cut(&tracer, PatchSize::Edge(0.05));
-        // Lamp samples by themselves, rays by themselves, and light paths.
+        let mut patches = cut(&tracer, PatchSize::Edge(0.5));
+        // By form factors, by direct light alone, and by light paths.
         let exact =
             PI * 100.0 * 0.01 / PI * angle.cos() * (1.0 - fresnel(angle.cos(), 1.5)) / passed_of_all(1.5);
-        let is_sheet: Vec<usize> = (0..patches.len()).filter(|&i| patches.place(i).face < 2).collect();
+        let is_lit = |&i: &usize| patches.place(i).face < 2 && patches.place(i).side.name() == "front";
+        let sheet: Vec<usize> = (0..patches.len()).filter(is_lit).collect();
+        assert_eq!(sheet.len(), 2);
         for basis in BASES {
-            let options = TraceOptions { rays: Some(64), lamp_rays: Some(1024), basis, ..Default::default() };
+            let options =
+                TraceOptions { rays: Some(4096), lamp_rays: Some(1024), basis, ..Default::default() };
             let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
             let k = Transport::of(&factors, &patches).unwrap();
             let e = basis.coefficients_of(&patches.sources());
             let solution = solve::solve(&k, &e, &SolveOptions::default()).unwrap();
             let irradiance = solution.means(basis).irradiance;
-            for &i in &is_sheet {
+            for &i in &sheet {
                 let off = irradiance[(i, 0)] / exact - 1.0;
                 assert!(off.abs() < 0.01, "{angle} {basis:?}: {off}");
             }
         }
         let direct = Sources::trace(&tracer, &patches, Basis::Constant, &LightOptions::default()).unwrap();
         let direct = direct.with_lamps(&tracer, &patches, &TraceOptions::default()).unwrap().direct.unwrap();
-        let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(20_000)).unwrap();
-        for &i in &is_sheet {
+        let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(100_000)).unwrap();
+        for &i in &sheet {
             assert!((direct[(i, 0)] / exact - 1.0).abs() < 0.01, "{angle}: {} {exact}", direct[(i, 0)]);
             let found = traced.irradiance(i, 0);
             let off = (found.mean - exact).abs();
