@@ -77,6 +77,11 @@
 //! (ρ_front τ; τ ρ_back) of R in the place of ρ, and row by row L = Lₑ + (ρH + τH′)/π with H′ the irradiance of the other side; see
 //! [`Reflection`](transport::Reflection).
 //!
+//! [Plastic](scene::Surface::Plastic) is a patch, L what its base sends out under the coat: towards an angle of cosine μ there leaves L (1 − E(μ)), and H is
+//! the light that gets under the coat over the part of even light that would. Everything above holds with its
+//! [étendue](patches::Patches::etendues) A (1 − Ē) in the place of A. In a medium of index of refraction n, such as glass, that is A n², and L, Lₑ and H are given by
+//! n²: what refraction leaves as it is.
+//!
 //! Where a [texture](scene::Texture) varies ρ or Lₑ over a surface, patches have its mean; pictures show the texture itself.
 //!
 //! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take [`Sources`](transport::Sources) for what starts in them:

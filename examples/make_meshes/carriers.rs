@@ -216,6 +216,55 @@ ground = 0.2
     }
 }
 
+pub fn plastic_toys() -> Scene {
+    let mut m = Mesh::default();
+    let (low, high) = ([0.0; 3], [3.0, 2.2, 3.6]);
+    let lamp = inside([0.9, 2.2, 0.5], [1.5, 2.2, 1.1], Top);
+    let tall = [[2.15, 0.9, 0.55], [1.8, 0.9, 0.75], [2.0, 0.9, 1.1], [2.35, 0.9, 0.9]];
+    let low_block = [[1.45, 0.3, 1.35], [1.25, 0.3, 1.75], [1.65, 0.3, 1.95], [1.85, 0.3, 1.55]];
+    let radius = 0.42;
+
+    m.paint("floor", "varnished").room(low, high, &[Bottom]);
+    m.paint("left_wall", "chalk").room(low, high, &[Left]);
+    m.paint("walls", "chalk").room(low, high, &[Back, Right, Front]);
+    m.paint("ceiling", "chalk").surround(inside(low, high, Top), lamp);
+    m.paint("lamp", "lamp").face(&lamp);
+    m.paint("tall_block", "blue").block(tall);
+    m.paint("low_block", "yellow").block(low_block);
+    m.paint("ball", "red");
+    ball(&mut m, [0.95, radius + 0.005, 1.0], radius, 4);
+
+    Scene {
+        name: "plastic_toys",
+        notes: "\
+A ball and two blocks of plastic on a varnished floor: each a diffuse base under a clear coat of
+index of refraction 1.5, from the smooth ball to the dull yellow block. The coats show the lamp
+as highlights, the more of the room the flatter one looks, and what they reflect goes on to light
+the walls.
+
+Known: the lamp emits pi A Le = pi * 0.36 m2 * (22, 21, 19) = (24.881, 23.750, 21.488) W. Coats
+absorb nothing: what the diffuse faces absorb, those under coats with them, is all of it.",
+        materials: vec![
+            Material::matt("chalk", [0.80, 0.78, 0.74]),
+            Material::plastic("varnished", [0.36, 0.22, 0.12], 0.25),
+            Material::plastic("red", [0.70, 0.06, 0.05], 0.15),
+            Material::plastic("blue", [0.05, 0.17, 0.55], 0.35),
+            Material::plastic("yellow", [0.80, 0.58, 0.06], 0.6),
+            Material::glowing("lamp", [0.78, 0.78, 0.78], [22.0, 21.0, 19.0]),
+        ],
+        mesh: m,
+        lights: "",
+        camera: Camera {
+            about: "From the front, low over the floor, so that it mirrors what stands on it.",
+            position: [1.55, 0.85, 3.5],
+            target: [1.55, 0.5, 0.9],
+            fov: 42.0,
+        },
+        area: box_area(3.0, 2.2, 3.6) + block_area(tall) + block_area(low_block) + 4.0 * PI * radius * radius,
+        tolerance: 1e-3,
+    }
+}
+
 /// A ball seen from outside: an icosahedron with every triangle cut in four, `cuts` times, blown up to the sphere.
 fn ball(m: &mut Mesh, centre: Point, radius: f64, cuts: u32) {
     let mut unit = Mesh::default();

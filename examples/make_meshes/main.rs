@@ -41,6 +41,7 @@ fn main() -> io::Result<ExitCode> {
         carriers::glass_balls(),
         carriers::glossy_floor(),
         carriers::sun_catcher(),
+        carriers::plastic_toys(),
         lit::daylit_room(),
         lit::spot_gallery(),
         sheets::blinds(),
@@ -795,6 +796,8 @@ enum Finish {
     Glass(f64),
     /// Roughness; its reflectance is the material's.
     Metal(f64),
+    /// Roughness of the coat over it, of index of refraction 1.5.
+    Plastic(f64),
 }
 
 impl Material {
@@ -816,6 +819,10 @@ impl Material {
 
     fn metal(name: &'static str, reflectance: [f64; 3], roughness: f64) -> Material {
         Material { finish: Finish::Metal(roughness), ..Material::matt(name, reflectance) }
+    }
+
+    fn plastic(name: &'static str, reflectance: [f64; 3], roughness: f64) -> Material {
+        Material { finish: Finish::Plastic(roughness), ..Material::matt(name, reflectance) }
     }
 
     fn glass(name: &'static str, index: f64) -> Material {
@@ -892,6 +899,7 @@ impl Scene {
                 Finish::Mirror(ks) => writeln!(text, "Ks {ks} {ks} {ks}\nillum 3"),
                 Finish::Glass(ni) => writeln!(text, "Ni {ni}\nTf 1 1 1\nillum 4"),
                 Finish::Metal(roughness) => writeln!(text, "Pm 1\nPr {roughness}\nillum 2"),
+                Finish::Plastic(roughness) => writeln!(text, "Pr {roughness}\nNi 1.5\nillum 2"),
             };
         }
         text

@@ -13,6 +13,7 @@ mod basis;
 mod carried;
 mod clusters;
 mod contacts;
+mod facet;
 mod groups;
 mod locator;
 mod outlook;
@@ -31,10 +32,11 @@ use rayon::prelude::*;
 
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{FaceTexture, Feature, Scene, Side};
-use crate::trace::{Frame, Ray, Tracer, sampling};
+use crate::trace::{Frame, Tracer};
 pub use aggregate::FaceRow;
 pub use basis::Basis;
 pub use clusters::Clusters;
+pub(crate) use facet::Facet;
 pub use groups::{Group, GroupBy, Groups};
 pub use outlook::{Outlook, Stretch};
 use parts::{Parting, Parts};
@@ -120,6 +122,10 @@ pub struct Patches<'s> {
     slot_of_patch: Vec<u32>,
     /// Per patch, normalised frame.
     areas: Vec<f64>,
+    /// Per slot, étendue by π per area; empty where all are 1.
+    per_area: Vec<f64>,
+    /// Per patch, normalised frame; empty where they are the areas.
+    etendues: Vec<f64>,
     edge: f64,
     /// Whether light comes through any face.
     is_translucent: bool,
@@ -221,7 +227,7 @@ impl<'s> Patches<'s> {
         for face in 0..faces {
             first_slot.push(first_slot[face] + 2 * cuts.cells(face));
         }
-        Ok(Self {
+        let mut patches = Self {
             scene,
             frame: *tracer.frame(),
             reach: options.reach,
@@ -231,9 +237,13 @@ impl<'s> Patches<'s> {
             first_slot,
             slot_of_patch: Vec::new(),
             areas: Vec::new(),
+            per_area: Vec::new(),
+            etendues: Vec::new(),
             edge,
             is_translucent: (0..faces).any(|f| kept(f) && scene.material_of(f).transmittance().is_some()),
-        })
+        };
+        patches.per_area = patches.etendues_per_area(tracer);
+        Ok(patches)
     }
 
     /// Cuts with a known edge (normalised); the patches are the given slots, or those that light reaches.
@@ -283,6 +293,10 @@ impl<'s> Patches<'s> {
                 share * self.face_area(face)
             })
             .collect();
+        if !self.per_area.is_empty() {
+            let per_area = self.slot_of_patch.iter().map(|&slot| self.per_area[slot as usize]);
+            self.etendues = self.areas.iter().zip(per_area).map(|(area, each)| area * each).collect();
+        }
     }
 
     /// Number of patches n.
@@ -408,9 +422,20 @@ impl<'s> Patches<'s> {
         &self.areas
     }
 
+    /// Étendues by π in the normalised frame, n values: A n² (1 − Ē) in a medium of index of refraction n and under a
+    /// [coat](crate::trace::Coat), elsewhere the area. What a patch of radiance L, by n², sends out is π L times this.
+    pub fn etendues(&self) -> &[f64] {
+        if self.per_area.is_empty() { &self.areas } else { &self.etendues }
+    }
+
     /// Area of a patch, m².
     pub fn area(&self, patch: usize) -> f64 {
         self.areas[patch] * self.frame.scale().powi(2)
+    }
+
+    /// Étendue of a patch by π, m²: see [`Patches::etendues`].
+    pub fn etendue(&self, patch: usize) -> f64 {
+        self.etendues()[patch] * self.frame.scale().powi(2)
     }
 
     /// Area of a face, normalised frame.
@@ -486,14 +511,6 @@ impl<'s> Patches<'s> {
         };
         emitting.map(group).filter(|group| group.sources.amax() > 0.0).collect()
     }
-
-    /// A slot's place in the normalised frame.
-    pub(crate) fn facet(&self, tracer: &Tracer, slot: u32) -> Facet {
-        let Slot { face, side, cell } = self.slot(slot);
-        let [p, q, r] = *tracer.corners(face);
-        let corners = self.cuts.corners(face, cell).map(|[u, v]| p + (q - p) * u + (r - p) * v);
-        Facet { face: face as u32, corners, normal: tracer.normal(face, side) }
-    }
 }
 
 /// The lamps of one material.
@@ -503,37 +520,4 @@ pub struct LampGroup {
     pub material: String,
     /// Emitted radiance Lₑ of these lamps alone, n × c, W·sr⁻¹·m⁻².
     pub sources: DMatrix<f64>,
-}
-
-/// One side of a cell: a triangle that sees.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Facet {
-    pub face: u32,
-    pub corners: [DVec3; 3],
-    pub normal: DVec3,
-}
-
-impl Facet {
-    /// The point that lies where [u, v] in the unit square does, uniform over the triangle.
-    #[inline]
-    pub fn point(&self, square: [f64; 2]) -> DVec3 {
-        let [a, b, c] = self.corners;
-        let [u, v] = sampling::uniform_triangle(square);
-        a + (b - a) * u + (c - a) * v
-    }
-
-    pub fn centre(&self) -> DVec3 {
-        let [a, b, c] = self.corners;
-        (a + b + c) / 3.0
-    }
-
-    /// Cosine-distributed rays from all over the facet: points `range` of a random sequence.
-    pub fn rays(self, sequence: sampling::Sequence, range: Range<u32>) -> impl Iterator<Item = Ray> {
-        let frame = sampling::frame_around(self.normal);
-        range.map(move |k| {
-            let [s, t, x, y] = sequence.point(k);
-            let direction = frame * sampling::cosine_hemisphere([x, y]);
-            Ray { origin: self.point([s, t]), direction, from: self.face }
-        })
-    }
 }

@@ -24,6 +24,8 @@ pub enum Feature {
     ThinGlass,
     /// Rough metals. Without them they are diffuse surfaces of the same reflectance.
     Gloss,
+    /// The coat of plastic. Without it only its diffuse base is there.
+    Plastic,
     /// What colour mirrors, metals and glass give to light. Without it they are grey, by the mean of their channels.
     CarrierColour,
     /// Lights without area.
@@ -60,6 +62,10 @@ impl Scene {
             }),
             Feature::Dielectric => self.leave_out(|surface| matches!(surface, Surface::Dielectric { .. })),
             Feature::ThinGlass => self.leave_out(|surface| matches!(surface, Surface::Pane { .. })),
+            Feature::Plastic => {
+                let plastic = |m: &&mut Material| matches!(m.surface, Surface::Plastic { .. });
+                self.materials.iter_mut().filter(plastic).for_each(|m| m.surface = Surface::Diffuse);
+            }
             Feature::CarrierColour => {
                 for colour in self.materials.iter_mut().filter_map(|material| material.surface.colour_mut()) {
                     let mean = colour.iter().sum::<f64>() / colour.len() as f64;

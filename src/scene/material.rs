@@ -15,9 +15,9 @@ pub enum Surface {
         /// Reflectance Ks per channel, 0 to 1.
         reflectance: Vec<f64>,
     },
-    /// Smooth glass or water (`illum 4`, `6`, `7` or `9`), bounded by closed surfaces that front outward.
+    /// Smooth glass or water (`illum 4`, `6`, `7` or `9`), bounded by closed surfaces that front outward. Solids may lie in each other.
     Dielectric {
-        /// Index of refraction Ni of what lies behind the front, relative to what lies before it.
+        /// Index of refraction Ni of what lies behind the front; 1 outside of all such solids.
         index: f64,
         /// Which part of the light Tf passes at each crossing of the surface, per channel, 0 to 1.
         filter: Vec<f64>,
@@ -38,9 +38,14 @@ pub enum Surface {
         /// Roughness Pr, the root of GGX's α, 0 (a mirror to the eye) to 1.
         roughness: f64,
     },
-    /// Plastic (`Pr`, or `illum 5` with Kd): recognised so that a run can name it as not yet simulated; it acts by its diffuse
-    /// reflectance.
-    Plastic,
+    /// Plastic, or anything varnished (`Pr`, or `illum 5` with Kd): the diffuse reflectance under a clear coat, on both sides. The coat is a
+    /// dielectric with GGX's facets that reflects by Fresnel's formulas; what it does not reflect gets under it. Nothing is lost. It emits nothing.
+    Plastic {
+        /// Index of refraction of the coat, 1 (no coat) to 10.
+        index: f64,
+        /// Roughness Pr of the coat, the root of GGX's α, 0 (smooth) to 1.
+        roughness: f64,
+    },
 }
 
 impl Surface {
@@ -50,8 +55,13 @@ impl Surface {
             Self::Mirror { .. } | Self::Dielectric { .. } | Self::Pane { .. } | Self::Conductor { .. } => {
                 true
             }
-            Self::Diffuse | Self::Plastic => false,
+            Self::Diffuse | Self::Plastic { .. } => false,
         }
+    }
+
+    /// Whether some light goes on from it without being spread diffusely: from carriers all, from plastic what its coat reflects.
+    pub fn passes_on(&self) -> bool {
+        self.is_carrier() || matches!(self, Self::Plastic { .. })
     }
 
     /// What it does to light's colour, per channel; nothing for surfaces that are no carriers.
@@ -59,7 +69,7 @@ impl Surface {
         match self {
             Self::Mirror { reflectance } | Self::Conductor { reflectance, .. } => Some(reflectance),
             Self::Dielectric { filter, .. } | Self::Pane { filter, .. } => Some(filter),
-            Self::Diffuse | Self::Plastic => None,
+            Self::Diffuse | Self::Plastic { .. } => None,
         }
     }
 
@@ -67,7 +77,7 @@ impl Surface {
         match self {
             Self::Mirror { reflectance } | Self::Conductor { reflectance, .. } => Some(reflectance),
             Self::Dielectric { filter, .. } | Self::Pane { filter, .. } => Some(filter),
-            Self::Diffuse | Self::Plastic => None,
+            Self::Diffuse | Self::Plastic { .. } => None,
         }
     }
 
@@ -97,7 +107,13 @@ impl Surface {
                 .map_or(Ok(()), |t| {
                     Err(format!("transmission filter {t} (Tf in MTL files) must lie between 0 and 1"))
                 }),
-            Self::Diffuse | Self::Plastic => Ok(()),
+            Self::Plastic { index, .. } if !(1.0..=10.0).contains(index) => Err(format!(
+                "index of refraction {index} of a coat (Ni in MTL files) must lie between 1 and 10; varnish has 1.5"
+            )),
+            Self::Plastic { roughness, .. } if !(0.0..=1.0).contains(roughness) => Err(format!(
+                "roughness {roughness} (Pr in MTL files) must lie between 0, a smooth coat, and 1, the roughest"
+            )),
+            Self::Diffuse | Self::Plastic { .. } => Ok(()),
         }
     }
 }
@@ -147,6 +163,11 @@ impl Material {
     pub fn conductor(name: impl Into<String>, roughness: f64, reflectance: &[f64]) -> Self {
         let surface = Surface::Conductor { reflectance: reflectance.to_vec(), roughness };
         Self { surface, ..Self::diffuse(name, &vec![0.0; reflectance.len()]) }
+    }
+
+    /// A diffuse surface of this reflectance per channel under a clear coat of this roughness, 0 to 1, and this index of refraction.
+    pub fn plastic(name: impl Into<String>, (roughness, index): (f64, f64), reflectance: &[f64]) -> Self {
+        Self { surface: Surface::Plastic { index, roughness }, ..Self::diffuse(name, reflectance) }
     }
 
     /// A smooth dielectric of this index of refraction, which lets this part of the light pass each of its surfaces, per channel.
@@ -216,6 +237,9 @@ impl Material {
                 );
             }
             sheet.check(&self.reflectance, self.textures.reflectance.as_ref())?;
+        }
+        if matches!(self.surface, Surface::Plastic { .. }) && self.emits() {
+            return Err("plastic emits nothing; give the light to a material of its own".into());
         }
         self.surface.check()
     }

@@ -419,6 +419,11 @@ impl Scene {
         self.faces[face].state == FaceState::Kept && self.material_of(face).surface.is_carrier()
     }
 
+    /// Whether a face takes part and some light goes on from it without being spread diffusely: from carriers and plastic.
+    pub fn passes_on(&self, face: usize) -> bool {
+        self.faces[face].state == FaceState::Kept && self.material_of(face).surface.passes_on()
+    }
+
     /// Whether a face takes part and spreads light diffusely: then it is cut into patches.
     pub fn is_diffuse(&self, face: usize) -> bool {
         self.faces[face].state == FaceState::Kept && !self.material_of(face).surface.is_carrier()

@@ -11,6 +11,10 @@ use super::{Material, SceneError, Surface, Textures};
 /// Reflectance of a material that is not defined, or without Kd.
 const GREY: [f64; 3] = [0.5; 3];
 
+/// Roughness of a metal or plastic without Pr and Ns, and index of refraction of glass or plastic without Ni.
+const ROUGHNESS: f64 = 0.3;
+const GLASS: f64 = 1.5;
+
 /// The materials of all libraries, and where each name is to be found.
 #[derive(Default)]
 pub(super) struct Library {
@@ -166,17 +170,18 @@ fn material(
         _ if is_metal && emits => lamp(m, warnings),
         _ if is_metal => metal(m, m.diffuse, warnings),
         Some(5) if !is_coloured => metal(m, m.specular, warnings),
-        Some(5) => Surface::Plastic,
-        _ if has("Pr") || has("Pm") => Surface::Plastic,
+        Some(5) => plastic(m),
+        _ if (has("Pr") || has("Pm")) && emits => lamp(m, warnings),
+        _ if has("Pr") || has("Pm") => plastic(m),
         _ => Surface::Diffuse,
     };
     let has_picture = m.diffuse_texture.is_some();
-    if m.diffuse.is_none() && surface == Surface::Diffuse && !has_picture {
+    if m.diffuse.is_none() && !surface.is_carrier() && !has_picture {
         warnings.push(format!("material {} has no Kd: taken as grey 0.5", m.name));
     }
     let unsaid = match surface {
         _ if has_picture => [1.0; 3],
-        Surface::Diffuse => GREY,
+        Surface::Diffuse | Surface::Plastic { .. } => GREY,
         _ => [0.0; 3],
     };
     let mut kd = m.diffuse.unwrap_or(unsaid);
@@ -220,7 +225,7 @@ fn parameter(m: &tobj::Material, key: &str) -> Option<f64> {
 /// What emits is diffuse.
 fn lamp(m: &tobj::Material, warnings: &mut Vec<String>) -> Surface {
     warnings.push(format!(
-        "material {} emits (Ke): taken as a diffuse lamp, not as a mirror, metal or glass; give the glass around a lamp a material of \
+        "material {} emits (Ke): taken as a diffuse lamp, not as a mirror, metal, glass or plastic; give the glass around a lamp a material of \
          its own",
         m.name
     ));
@@ -241,18 +246,30 @@ fn metal(m: &tobj::Material, reflectance: Option<[f64; 3]>, warnings: &mut Vec<S
             m.name
         ));
     }
-    // The highlight of Ns is about as wide as that of α² = 2/(Ns + 2) (Walter et al. 2007, sec. 5.2).
-    let of_exponent = |ns: f64| (2.0 / (ns.max(0.0) + 2.0)).powf(0.25);
-    let roughness = parameter(m, "Pr").or(m.shininess.map(of_exponent));
+    let roughness = roughness(m);
     if roughness.is_none() {
         warnings.push(format!(
-            "material {} is a metal without roughness (Pr or Ns): its Pr is taken as 0.3",
+            "material {} is a metal without roughness (Pr or Ns): its Pr is taken as {ROUGHNESS}",
             m.name
         ));
     }
     Surface::Conductor {
         reflectance: reflectance.unwrap_or([1.0; 3]).to_vec(),
-        roughness: roughness.unwrap_or(0.3),
+        roughness: roughness.unwrap_or(ROUGHNESS),
+    }
+}
+
+/// Pr, or what makes a highlight about as wide as that of Ns: α² = 2/(Ns + 2) (Walter et al. 2007, sec. 5.2).
+fn roughness(m: &tobj::Material) -> Option<f64> {
+    let of_exponent = |ns: f64| (2.0 / (ns.max(0.0) + 2.0)).powf(0.25);
+    parameter(m, "Pr").or(m.shininess.map(of_exponent))
+}
+
+/// A coat of varnish over Kd.
+fn plastic(m: &tobj::Material) -> Surface {
+    Surface::Plastic {
+        index: m.optical_density.unwrap_or(GLASS),
+        roughness: roughness(m).unwrap_or(ROUGHNESS),
     }
 }
 
@@ -266,13 +283,13 @@ fn mirror(m: &tobj::Material, warnings: &mut Vec<String>) -> Surface {
 fn dielectric(m: &tobj::Material, warnings: &mut Vec<String>) -> Surface {
     if m.optical_density.is_none() {
         warnings.push(format!(
-            "material {} is glass without Ni: its index of refraction is taken as 1.5",
+            "material {} is glass without Ni: its index of refraction is taken as {GLASS}",
             m.name
         ));
     }
     let filter = m.unknown_param.get("Tf").and_then(|rest| numbers(rest));
     Surface::Dielectric {
-        index: m.optical_density.unwrap_or(1.5),
+        index: m.optical_density.unwrap_or(GLASS),
         filter: filter.unwrap_or_else(|| vec![1.0; 3]),
     }
 }

@@ -61,7 +61,7 @@ struct MaterialSettings {
     /// What comes through, diffusely; nothing if not given.
     transmittance: Option<Colour>,
     emission: Option<Colour>,
-    /// Of rough conductors, 0 to 1.
+    /// Of rough conductors and plastic, 0 to 1.
     roughness: Option<f64>,
     /// Whether glass is a sheet, and not the surface of a solid.
     #[serde(default)]
@@ -143,9 +143,11 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
             material.surface = Surface::Pane { index: *index, filter };
         }
         if let Some(given) = roughness {
-            let Surface::Conductor { roughness, .. } = &mut material.surface else {
-                let message =
-                    "only metals have a roughness; make it one by `Pm 1` in the MTL file, or remove it";
+            let (Surface::Conductor { roughness, .. } | Surface::Plastic { roughness, .. }) =
+                &mut material.surface
+            else {
+                let message = "only metals and plastic have a roughness; make it metal by `Pm 1` or plastic by `Pr` in the MTL file, \
+                               or remove it";
                 return Err(wrong(message.into()));
             };
             *roughness = *given;
@@ -187,7 +189,7 @@ fn make_sheet(material: &mut Material, settings: &MaterialSettings, warnings: &m
     if reflectance_back.is_none() && transmittance.is_none() {
         return;
     }
-    if material.surface == Surface::Plastic {
+    if matches!(material.surface, Surface::Plastic { .. }) {
         warnings.push(format!(
             "material {}: sheets are matt; its gloss (Pr, Pm or illum 5) is left out",
             material.name

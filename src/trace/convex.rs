@@ -30,8 +30,8 @@ pub enum Enclosure {
 /// What speaks against it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotConvex {
-    /// Light is bent on its way.
-    #[error("mirrors or glass are in the scene")]
+    /// Light is bent on its way, or not sent out by the cosine.
+    #[error("mirrors, metal, glass or plastic are in the scene")]
     Carriers,
     /// A corner is behind a face.
     #[error("face {behind} is not in front of face {face}")]

@@ -23,7 +23,7 @@ use glam::DVec3;
 use super::scatter::Tint;
 
 /// Facets as even as this, in terms of α, are a mirror to the eye; evener ones are taken as this.
-const EVENEST: f64 = 1e-4;
+pub(super) const EVENEST: f64 = 1e-4;
 
 /// Stretches of the table of E.
 const STRETCHES: usize = 64;
@@ -102,7 +102,7 @@ impl<'s> Gloss<'s> {
 }
 
 /// D(h) (Walter et al. 2007, eq. 33).
-fn facets(alpha: f64, h: DVec3) -> f64 {
+pub(super) fn facets(alpha: f64, h: DVec3) -> f64 {
     let square = alpha * alpha;
     // tan²θ + α² times cos²θ, free of cancellation.
     let stretched = h.x * h.x + h.y * h.y + square * h.z * h.z;
@@ -116,13 +116,13 @@ fn spread(alpha: f64, w: DVec3) -> f64 {
 }
 
 /// G₂(o, i) = 1 / (1 + Λ(o) + Λ(i)) (Heitz 2014, eq. 99).
-fn hiding(alpha: f64, o: DVec3, i: DVec3) -> f64 {
+pub(super) fn hiding(alpha: f64, o: DVec3, i: DVec3) -> f64 {
     2.0 * o.z * i.z / (o.z * spread(alpha, i) + i.z * spread(alpha, o))
 }
 
 /// G₂(o, i) / G₁(o), how likely light from a facet that o sees gets away in direction i.
 #[inline]
-fn escape(alpha: f64, o: DVec3, i: DVec3) -> f64 {
+pub(super) fn escape(alpha: f64, o: DVec3, i: DVec3) -> f64 {
     if i.z <= 0.0 {
         return 0.0;
     }
@@ -131,7 +131,7 @@ fn escape(alpha: f64, o: DVec3, i: DVec3) -> f64 {
 }
 
 /// The normal of a facet that `o` sees (Dupuy & Benyoub 2023), with density `visible_facet_pdf`.
-fn visible_facet(alpha: f64, o: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+pub(super) fn visible_facet(alpha: f64, o: DVec3, [u, v]: [f64; 2]) -> DVec3 {
     // Stretch the facets to a hemisphere, which o sees as reflected into a cap of the sphere.
     let o = DVec3::new(alpha * o.x, alpha * o.y, o.z.max(0.0)).normalize();
     let z = (1.0 - v) * (1.0 + o.z) - o.z;
@@ -165,17 +165,17 @@ fn single_albedo(alpha: f64, cosine: f64) -> f64 {
 
 /// Directional albedo E(μ), linear in μ² between nodes that lie close where light grazes.
 #[derive(Debug)]
-struct Albedo {
+pub(super) struct Albedo {
     /// E at the nodes μ² = (k/n)⁴.
     nodes: [f64; STRETCHES + 1],
     /// ∫ (1 − E) dμ² from 0 to each node.
     rest: [f64; STRETCHES + 1],
     /// Ē.
-    mean: f64,
+    pub mean: f64,
 }
 
 impl Albedo {
-    fn of(albedo: impl Fn(f64) -> f64) -> Self {
+    pub fn of(albedo: impl Fn(f64) -> f64) -> Self {
         let nodes: [f64; STRETCHES + 1] = std::array::from_fn(|k| albedo(node(k).sqrt()).min(1.0));
         let mut rest = [0.0; STRETCHES + 1];
         for k in 0..STRETCHES {
@@ -185,7 +185,7 @@ impl Albedo {
     }
 
     /// E(μ).
-    fn at(&self, cosine: f64) -> f64 {
+    pub fn at(&self, cosine: f64) -> f64 {
         let place = (cosine.clamp(0.0, 1.0).sqrt() * STRETCHES as f64).min(STRETCHES as f64 - 1e-9);
         let k = place as usize;
         let part = (cosine * cosine - node(k)) / (node(k + 1) - node(k));
@@ -193,7 +193,7 @@ impl Albedo {
     }
 
     /// A cosine with density [`Albedo::rest_pdf`].
-    fn sample_rest(&self, chance: f64) -> f64 {
+    pub fn sample_rest(&self, chance: f64) -> f64 {
         let wanted = chance * self.rest[STRETCHES];
         let k = (self.rest.partition_point(|&sum| sum <= wanted).max(1) - 1).min(STRETCHES - 1);
         // Solve a x + (b − a) x²/2 = what is wanted of this stretch, for x from 0 to 1.

@@ -167,9 +167,11 @@ impl Lights {
         mut random: impl FnMut() -> [f64; 2],
         [irradiance, scratch]: [&mut [f64]; 2],
     ) {
+        let weight_at = |cosine: f64| tracer.coat_of(face).map_or(1.0, |coat| coat.weight(cosine));
         for light in 0..self.len() {
             let beam = self.beam(light, point, random());
-            let weight = beam.density * beam.share * normal.dot(beam.direction);
+            let cosine = normal.dot(beam.direction);
+            let weight = beam.density * beam.share * cosine * weight_at(cosine);
             scratch.fill(1.0);
             if weight > 0.0 && weight.is_finite() && self.arrives(tracer, &beam, (point, face), scratch) {
                 let powers = self.power(light).iter().zip(&*scratch);
@@ -184,11 +186,10 @@ impl Lights {
             let ray = Ray { origin: point, direction: beam.direction, from: face };
             scratch.fill(1.0);
             if beam.weight > 0.0 && tracer.passes(&ray, f64::INFINITY, scratch) {
+                let weight = beam.weight * weight_at(normal.dot(beam.direction));
                 let zenith = sky.zenith().iter().zip(&*scratch).enumerate();
                 let sums = irradiance.iter_mut().zip(zenith);
-                sums.for_each(|(sum, (c, (zenith, part)))| {
-                    *sum += beam.weight * beam.tint(c) * zenith * part
-                });
+                sums.for_each(|(sum, (c, (zenith, part)))| *sum += weight * beam.tint(c) * zenith * part);
             }
         }
     }

@@ -8,25 +8,31 @@
 //! the cube [-1, 1]³, so that neither its size nor its place can matter. [`Frame`] converts.
 
 mod bvh;
+mod coat;
 mod convex;
 mod environment;
 mod gloss;
 mod lamps;
 mod lights;
+mod media;
 pub mod sampling;
 mod scatter;
 mod shots;
 mod sky;
 mod triangle;
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use crate::scene::{FaceState, Scene, Side, Surface};
 use bvh::Bvh;
+pub use coat::Coat;
 pub use convex::{Enclosure, NotConvex};
 use gloss::Gloss;
 pub use lamps::{LampPoint, LampView, Lamps, form_factor_to_triangle, geometry_term};
 pub use lights::{Beam, Lights, solid_angle};
+use media::Media;
 pub use scatter::{Destination, Glossy, Scattered, Tint, fresnel};
 pub use shots::{Shot, SkyShot, Targets};
 pub use sky::{SkyBeam, SkySampler};
@@ -96,6 +102,28 @@ pub struct Hit {
     pub barycentrics: [f64; 2],
 }
 
+/// What becomes of a ray that meets a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Encounter {
+    /// It ends there.
+    Ends,
+    /// It goes on, as from a mirror.
+    GoesOn,
+    /// It goes on or ends, by chance, as on plastic.
+    Either,
+}
+
+/// What facets a material has.
+#[derive(Debug)]
+enum Finish<'s> {
+    /// None.
+    Plain,
+    /// Those of a rough conductor.
+    Metal(Box<Gloss<'s>>),
+    /// Those of a coat over a diffuse base.
+    Coated(Arc<Coat>),
+}
+
 /// The scene's faces, ready to be met by rays.
 #[derive(Debug)]
 pub struct Tracer<'s> {
@@ -103,12 +131,14 @@ pub struct Tracer<'s> {
     frame: Frame,
     corners: Vec<[DVec3; 3]>,
     normals: Vec<DVec3>,
-    /// Per face whether it is a carrier; empty where none is.
-    carriers: Vec<bool>,
-    /// Per material what makes it a rough conductor; empty where none is.
-    gloss: Vec<Option<Gloss<'s>>>,
+    /// Per face what becomes of rays that meet it; empty where all end.
+    encounters: Vec<Encounter>,
+    /// Per material its facets; empty where none has any.
+    finishes: Vec<Finish<'s>>,
     /// Whether some face is of thin glass.
     has_panes: bool,
+    /// What lies around solids of glass.
+    media: Media,
     bvh: Bvh,
 }
 
@@ -123,13 +153,12 @@ impl<'s> Tracer<'s> {
             (0..scene.faces().len()).map(|f| scene.corners(f).map(|p| frame.from_world(p))).collect();
         let normals = corners.iter().map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero()).collect();
         let bvh = Bvh::new(&corners, &kept);
-        let mut carriers: Vec<bool> = (0..scene.faces().len()).map(|f| scene.is_carrier(f)).collect();
-        if !carriers.contains(&true) {
-            carriers = Vec::new();
-        }
         let is_pane = |&f: &u32| matches!(scene.material_of(f as usize).surface, Surface::Pane { .. });
         let has_panes = kept.iter().any(is_pane);
-        Self { scene, frame, corners, normals, carriers, gloss: gloss_of(scene), has_panes, bvh }
+        let (encounters, finishes) = (encounters_of(scene), finishes_of(scene));
+        let media = Media::default();
+        let tracer = Self { scene, frame, corners, normals, encounters, finishes, has_panes, media, bvh };
+        Self { media: Media::new(&tracer), ..tracer }
     }
 
     /// The scene whose faces these are.
@@ -166,17 +195,35 @@ impl<'s> Tracer<'s> {
     /// Whether a face passes light on as a mirror, glass or a rough conductor.
     #[inline]
     pub fn is_carrier(&self, face: u32) -> bool {
-        self.carriers.get(face as usize).is_some_and(|&carrier| carrier)
+        self.encounters.get(face as usize) == Some(&Encounter::GoesOn)
     }
 
-    /// Whether any face does.
+    /// Whether a ray that meets a face may go on from there: from carriers, and from coats over diffuse surfaces.
+    #[inline]
+    pub fn may_go_on(&self, face: u32) -> bool {
+        self.encounters.get(face as usize).is_some_and(|&encounter| encounter != Encounter::Ends)
+    }
+
+    /// Whether rays may go on from any face.
     pub fn has_carriers(&self) -> bool {
-        !self.carriers.is_empty()
+        !self.encounters.is_empty()
     }
 
-    /// Whether any face is of rough metal.
-    pub fn has_rough_metal(&self) -> bool {
-        !self.gloss.is_empty()
+    /// Whether any surface has facets, as rough metal and plastic.
+    pub fn has_facets(&self) -> bool {
+        !self.finishes.is_empty()
+    }
+
+    /// The coat over a diffuse face, if it has one.
+    #[inline]
+    pub fn coat_of(&self, face: u32) -> Option<&Coat> {
+        if self.finishes.is_empty() {
+            return None;
+        }
+        match self.finishes.get(self.scene.faces().get(face as usize)?.material as usize) {
+            Some(Finish::Coated(coat)) => Some(coat),
+            _ => None,
+        }
     }
 
     /// The first face that the ray meets, if any. Equally near faces: the lower number.
@@ -197,15 +244,36 @@ impl<'s> Tracer<'s> {
     }
 }
 
-/// What makes each material a rough conductor; nothing at all where none is.
-fn gloss_of(scene: &Scene) -> Vec<Option<Gloss<'_>>> {
-    let is_rough = |surface: &Surface| matches!(surface, Surface::Conductor { .. });
-    if !scene.materials().iter().any(|material| is_rough(&material.surface)) {
-        return Vec::new();
-    }
-    let of = |surface| match surface {
-        &Surface::Conductor { ref reflectance, roughness } => Some(Gloss::new(roughness, reflectance)),
-        _ => None,
+/// What becomes of rays that meet each face; nothing at all where all end.
+fn encounters_of(scene: &Scene) -> Vec<Encounter> {
+    let of = |face: usize| match (scene.passes_on(face), scene.is_carrier(face)) {
+        (true, true) => Encounter::GoesOn,
+        (true, false) => Encounter::Either,
+        (false, _) => Encounter::Ends,
     };
-    scene.materials().iter().map(|material| of(&material.surface)).collect()
+    let all: Vec<Encounter> = (0..scene.faces().len()).map(of).collect();
+    if all.iter().all(|&encounter| encounter == Encounter::Ends) { Vec::new() } else { all }
+}
+
+/// The facets of each material; nothing at all where none has any.
+fn finishes_of(scene: &Scene) -> Vec<Finish<'_>> {
+    let mut coats: Vec<([f64; 2], Arc<Coat>)> = Vec::new();
+    let mut all = Vec::with_capacity(scene.materials().len());
+    for material in scene.materials() {
+        all.push(match material.surface {
+            Surface::Conductor { ref reflectance, roughness } => {
+                Finish::Metal(Box::new(Gloss::new(roughness, reflectance)))
+            }
+            // Materials with the same coat share it.
+            Surface::Plastic { index, roughness } => {
+                let known = coats.iter().find(|(key, _)| *key == [roughness, index]);
+                let coat = known.map(|(_, coat)| coat.clone());
+                let coat = coat.unwrap_or_else(|| Arc::new(Coat::new(roughness, index, scene.channels())));
+                coats.push(([roughness, index], coat.clone()));
+                Finish::Coated(coat)
+            }
+            _ => Finish::Plain,
+        });
+    }
+    if all.iter().all(|finish| matches!(finish, Finish::Plain)) { Vec::new() } else { all }
 }

@@ -1,15 +1,16 @@
-//! Scatter: what mirrors, glass and rough conductors do with a ray.
+//! Scatter: what mirrors, glass, rough conductors and coats do with a ray.
 //!
 //! A mirror sends it on in one direction, r = d − 2(d·n)n. Smooth glass reflects the part F of its power and refracts the rest
 //! (Snell 1621, Fresnel 1823); beyond the critical angle F = 1. Which of the two a random ray takes is chosen with their own
 //! probabilities F and 1 − F, so that the ray keeps its weight. A sheet of thin glass does the same but lets rays go straight on. A rough conductor spreads it over a lobe, of which a random ray takes one
-//! direction.
+//! direction; so does a coat with the part that it reflects, while the rest gets under it and ends.
 
 use glam::DVec3;
 
+use super::coat::Coat;
 use super::gloss::Gloss;
 use super::sampling::frame_around;
-use super::{Hit, Ray, SKIN, Tracer};
+use super::{Finish, Hit, Ray, SKIN, Tracer};
 use crate::scene::{Side, Surface};
 
 /// A ray that has met more carriers than this is given up as lost.
@@ -64,16 +65,17 @@ impl<'t> Tint<'t> {
 pub struct Scattered<'t> {
     /// The ray that goes on.
     pub ray: Ray,
-    /// Which part of the power goes this way, before `colour`; of rough conductors, which send it everywhere, all.
+    /// Which part of the power goes this way, before `colour`; of rough conductors, which send it everywhere, all; of coats, which do
+    /// too, all that is not to get under them.
     pub share: f64,
     /// Which part of that goes on; none where all of it does.
     pub colour: Option<Tint<'t>>,
 }
 
-/// A rough conductor where a ray meets it.
+/// Facets, of a rough conductor or of a coat, where a ray meets them.
 #[derive(Clone, Copy, Debug)]
 pub struct Glossy<'t> {
-    gloss: &'t Gloss<'t>,
+    facets: Facets<'t>,
     /// The point, normalised frame.
     point: DVec3,
     face: u32,
@@ -83,31 +85,63 @@ pub struct Glossy<'t> {
     from: DVec3,
 }
 
+#[derive(Clone, Copy, Debug)]
+enum Facets<'t> {
+    Metal(&'t Gloss<'t>),
+    Coat(&'t Coat),
+}
+
 impl<'t> Glossy<'t> {
     /// The point, normalised frame.
     pub fn point(&self) -> DVec3 {
         self.point
     }
 
-    /// The way on by random numbers, with density [`Glossy::density`]; `more` gives further numbers.
+    /// Which part of the light gets under it, to a diffuse base: 1 − E(μ) of a coat, nothing of a conductor.
+    pub fn passed(&self) -> Option<f64> {
+        match self.facets {
+            Facets::Metal(_) => None,
+            Facets::Coat(coat) => Some(coat.passed(self.normal.dot(self.from))),
+        }
+    }
+
+    /// The way on by random numbers; `more` gives further numbers. Directions have density [`Glossy::density`], those of coats where they are
+    /// taken with their share.
     pub fn sample(&self, random: [f64; 3], more: impl FnOnce() -> [f64; 4]) -> Scattered<'t> {
         let frame = frame_around(self.normal);
-        let (towards, tint) = self.gloss.sample(frame.transpose() * self.from, random, more);
+        let from = frame.transpose() * self.from;
+        let (towards, share, colour) = match self.facets {
+            Facets::Metal(gloss) => {
+                let (towards, tint) = gloss.sample(from, random, more);
+                (towards, 1.0, Some(tint))
+            }
+            Facets::Coat(coat) => {
+                let (towards, share) = coat.reflect(from, [random[1], random[2]]);
+                (towards, share, None)
+            }
+        };
         let direction = (frame * towards).normalize();
-        let ray = Ray { origin: self.point, direction, from: self.face };
-        Scattered { ray, share: 1.0, colour: Some(tint) }
+        Scattered { ray: Ray { origin: self.point, direction, from: self.face }, share, colour }
     }
 
     /// Density of [`Glossy::sample`] in a direction, per unit solid angle.
     pub fn density(&self, direction: DVec3) -> f64 {
         let inverse = frame_around(self.normal).transpose();
-        self.gloss.density(inverse * self.from, inverse * direction)
+        let (o, i) = (inverse * self.from, inverse * direction);
+        match self.facets {
+            Facets::Metal(gloss) => gloss.density(o, i),
+            Facets::Coat(coat) => coat.lobe(o, i),
+        }
     }
 
-    /// BSDF times cosine towards a direction, as two parts: what a white conductor would have, and which part of that goes on.
+    /// BSDF times cosine towards a direction, as two parts: what a white conductor or coat would have, and which part of that goes on.
     pub fn reflected(&self, direction: DVec3) -> [(f64, Tint<'t>); 2] {
         let inverse = frame_around(self.normal).transpose();
-        self.gloss.parts(inverse * self.from, inverse * direction)
+        let (o, i) = (inverse * self.from, inverse * direction);
+        match self.facets {
+            Facets::Metal(gloss) => gloss.parts(o, i),
+            Facets::Coat(coat) => [coat.lobe(o, i), 0.0].map(|value| (value, Tint::of(&coat.white))),
+        }
     }
 }
 
@@ -118,26 +152,30 @@ pub enum Destination {
     Diffuse {
         /// Where.
         hit: Hit,
-        /// Whether it came by way of carriers.
+        /// Whether it came by way of carriers or coats.
         carried: bool,
     },
     /// Outside of the scene, by this last ray.
     Away(Ray),
     /// In a carrier.
     Absorbed,
-    /// Nowhere: it was given up after 256 carriers.
+    /// Nowhere: it was given up after 256 carriers or coats.
     Lost,
 }
 
 impl<'s> Tracer<'s> {
-    /// The rough conductor that `ray` meets at `hit`, if it is one.
+    /// The facets that `ray` meets at `hit`, if a rough conductor or a coat is there.
     #[inline]
     pub fn glossy(&self, ray: &Ray, hit: &Hit) -> Option<Glossy<'_>> {
         let face = hit.face as usize;
         let material = self.scene.faces()[face].material as usize;
-        let gloss = self.gloss.get(material)?.as_ref()?;
+        let facets = match self.finishes.get(material)? {
+            Finish::Plain => return None,
+            Finish::Metal(gloss) => Facets::Metal(gloss),
+            Finish::Coated(coat) => Facets::Coat(coat),
+        };
         let normal = self.normal(face, hit.side);
-        Some(Glossy { gloss, point: self.point(hit), face: hit.face, normal, from: -ray.direction })
+        Some(Glossy { facets, point: self.point(hit), face: hit.face, normal, from: -ray.direction })
     }
 
     /// The way on from a mirror or glass that `ray` meets at `hit`, reflected, and the one refracted where there is one; their shares
@@ -158,7 +196,8 @@ impl<'s> Tracer<'s> {
         match &self.scene.material_of(face).surface {
             Surface::Mirror { reflectance } => (way(reflected, 1.0, Some(Tint::of(reflectance))), None),
             Surface::Dielectric { index, filter } => {
-                let ratio = if hit.side == Side::Front { *index } else { 1.0 / index };
+                let index = self.media.relative(face, *index);
+                let ratio = if hit.side == Side::Front { index } else { 1.0 / index };
                 // Snell: sin θ = ratio · sin θ′.
                 let inside = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);
                 if inside <= 0.0 {
@@ -177,14 +216,14 @@ impl<'s> Tracer<'s> {
                 let second = way(ray.direction, through, Some(Tint::of(filter)));
                 (way(reflected, 1.0 - through, Some(back)), Some(second))
             }
-            Surface::Diffuse | Surface::Conductor { .. } | Surface::Plastic => {
+            Surface::Diffuse | Surface::Conductor { .. } | Surface::Plastic { .. } => {
                 panic!("face {face} is neither mirror nor glass")
             }
         }
     }
 
-    /// One of the ways on from a carrier, drawn with its share. The first random number chooses among the ways of mirrors and glass; rough
-    /// conductors use all three, and `more` where these do not suffice.
+    /// One of the ways on from a carrier, drawn with its share, or from a coat; nothing where it gets under the coat. The first random number
+    /// chooses among the ways of mirrors and glass; facets use all three, and `more` where these do not suffice.
     #[inline]
     pub fn scatter(
         &self,
@@ -192,12 +231,13 @@ impl<'s> Tracer<'s> {
         hit: &Hit,
         random: [f64; 3],
         more: impl FnOnce() -> [f64; 4],
-    ) -> Scattered<'_> {
+    ) -> Option<Scattered<'_>> {
         if let Some(glossy) = self.glossy(ray, hit) {
-            return glossy.sample(random, more);
+            let way = glossy.sample(random, more);
+            return (random[0] < way.share).then_some(Scattered { share: 1.0, ..way });
         }
         let (first, second) = self.ways_on(ray, hit);
-        second.filter(|_| random[0] >= first.share).unwrap_or(first)
+        Some(second.filter(|_| random[0] >= first.share).unwrap_or(first))
     }
 
     /// Whether light gets along a ray to this distance (normalised, or infinite) straight, through thin glass where it stands in the way;
@@ -234,7 +274,7 @@ impl<'s> Tracer<'s> {
         is_pane && before.direction.dot(normal) * after.direction.dot(normal) > 0.0
     }
 
-    /// Follows a ray, by one way at every carrier, until it meets a diffuse surface or ends elsewhere.
+    /// Follows a ray, by one way at every carrier and coat, until it meets a diffuse surface, gets under a coat or ends elsewhere.
     ///
     /// `numbers(k)` gives random numbers, k counting from 0: four for every carrier, and sometimes four more. `survives(colour, chance)` decides, by
     /// another of them, whether the ray goes on where that part of its power does.
@@ -247,7 +287,7 @@ impl<'s> Tracer<'s> {
     ) -> Destination {
         match self.closest_hit(ray) {
             None => Destination::Away(*ray),
-            Some(hit) if !self.is_carrier(hit.face) => Destination::Diffuse { hit, carried: false },
+            Some(hit) if !self.may_go_on(hit.face) => Destination::Diffuse { hit, carried: false },
             Some(hit) => self.follow(ray, hit, numbers, survives, |_, _, _| {}),
         }
     }
@@ -269,9 +309,11 @@ impl<'s> Tracer<'s> {
             taken += 1;
             numbers(taken - 1)
         };
-        for _ in 0..LONGEST {
+        for count in 0..LONGEST {
             let [way, life, u, v] = next_numbers();
-            let scattered = self.scatter(&ray, &hit, [way, u, v], &mut next_numbers);
+            let Some(scattered) = self.scatter(&ray, &hit, [way, u, v], &mut next_numbers) else {
+                return Destination::Diffuse { hit, carried: count > 0 };
+            };
             if scattered.colour.is_some_and(|colour| !survives(colour, life)) {
                 return Destination::Absorbed;
             }
@@ -279,7 +321,7 @@ impl<'s> Tracer<'s> {
             ray = scattered.ray;
             match self.closest_hit(&ray) {
                 None => return Destination::Away(ray),
-                Some(next) if !self.is_carrier(next.face) => {
+                Some(next) if !self.may_go_on(next.face) => {
                     return Destination::Diffuse { hit: next, carried: true };
                 }
                 Some(next) => hit = next,
@@ -357,11 +399,11 @@ mod tests {
         let tracer = Tracer::new(&scene);
         for d in [DVec3::new(0.6, 0.0, -0.8), DVec3::new(0.2, -0.3, 0.5).normalize()] {
             let (ray, hit) = towards(&tracer, d);
-            let way = tracer.scatter(&ray, &hit, [0.5; 3], || [0.5; 4]);
+            let way = tracer.scatter(&ray, &hit, [0.5; 3], || [0.5; 4]).expect("a mirror sends all on");
             assert!((way.ray.direction - DVec3::new(d.x, d.y, -d.z)).length() < 1e-15);
             assert_eq!((way.share, way.colour), (1.0, Some(Tint::of(&[0.8]))));
             let (ray, hit) = towards(&tracer, -way.ray.direction);
-            let back = tracer.scatter(&ray, &hit, [0.5; 3], || [0.5; 4]);
+            let back = tracer.scatter(&ray, &hit, [0.5; 3], || [0.5; 4]).expect("a mirror sends all on");
             assert!((back.ray.direction + d).length() < 1e-15);
         }
     }
@@ -397,7 +439,8 @@ mod tests {
         let n = 10_000;
         let reflected = (0..n).filter(|&k| {
             let chance = (f64::from(k) + 0.5) / f64::from(n);
-            tracer.scatter(&ray, &hit, [chance; 3], || [0.5; 4]).ray.direction.z > 0.0
+            let way = tracer.scatter(&ray, &hit, [chance; 3], || [0.5; 4]);
+            way.is_some_and(|way| way.ray.direction.z > 0.0)
         });
         assert!((reflected.count() as f64 / f64::from(n) - share).abs() < 1e-4);
     }

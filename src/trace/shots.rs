@@ -76,7 +76,7 @@ impl Targets {
         }
         let kept = |f: &u32| tracer.scene().faces()[*f as usize].state == FaceState::Kept;
         let all = 0..tracer.scene().faces().len() as u32;
-        let faces: Vec<u32> = all.filter(|&f| tracer.is_carrier(f)).filter(kept).collect();
+        let faces: Vec<u32> = all.filter(|&f| tracer.may_go_on(f)).filter(kept).collect();
         let mut by_area = Vec::with_capacity(faces.len());
         let area = accumulate(faces.iter().map(|&f| area(tracer.corners(f as usize))), &mut by_area);
         let aims = (0..lights.len()).map(|light| Aim::new(tracer, lights, light, &faces)).collect();
@@ -108,7 +108,7 @@ impl Targets {
                     return None;
                 }
                 let ray = Ray { origin: position, direction, from: Ray::FREE };
-                let hit = tracer.closest_hit(&ray).filter(|hit| tracer.is_carrier(hit.face))?;
+                let hit = tracer.closest_hit(&ray).filter(|hit| tracer.may_go_on(hit.face))?;
                 if drawn.is_some_and(|face| face != hit.face) {
                     return None;
                 }

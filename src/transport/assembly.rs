@@ -96,10 +96,10 @@ pub(super) fn assemble(
     Raw { storage, leaving: Leaving::new(&leaving, has_carriers(patches)), is_lamp }
 }
 
-/// Whether there is any carrier in the scene.
+/// Whether there is any carrier or coat in the scene.
 pub(super) fn has_carriers(patches: &Patches) -> bool {
     let scene = patches.scene();
-    (0..scene.faces().len()).any(|face| scene.is_carrier(face))
+    (0..scene.faces().len()).any(|face| scene.passes_on(face))
 }
 
 /// What one patch found of its exchange area with another; the pair's exchange area is the sum of both findings.
@@ -122,7 +122,7 @@ impl Finder<'_> {
     /// know more than it does itself: between the two, only what they found counts, straight on by light sampling and by way of
     /// carriers by their rays.
     fn found_by(&self, i: usize) -> (Vec<Part>, [f64; 3]) {
-        let areas = self.patches.areas();
+        let areas = self.patches.etendues();
         let mut leaving = [0.0; 3];
         let Some(row) = self.rows.of(self.patches.slot_of_patch(i)) else {
             leaving[ESCAPED] = areas[i];

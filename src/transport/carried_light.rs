@@ -2,7 +2,7 @@
 //!
 //! Lights shoot rays at these carriers; each that they pass on to a patch brings it its flux. The sky is found by shots too, and by the
 //! patch's own cosine-distributed rays that carriers pass on to the outside. Both draw the same rays, counted by area across the ray and solid
-//! angle: with density a = N/(π A) of the patch's and b of the shots each of either kind brings, with the radiance L, the flux
+//! angle: with density a = N/(π M) of the patch's, where π M is its étendue, and b of the shots each of either kind brings, with the radiance L, the flux
 //!
 //! L / (a + b)
 //!
@@ -17,7 +17,6 @@ use super::sources::PARTS;
 use super::{LightOptions, Mass, Shots};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
-use crate::scene::{Side, Surface};
 use crate::trace::sampling::{SEQUENCE_END, Sequence, uniform_triangle};
 use crate::trace::{Destination, Hit, Lights, Ray, SkySampler, Targets, Tint, Tracer};
 
@@ -177,7 +176,7 @@ impl Search<'_> {
     fn look_from(&self, patch: usize, sky: &SkySampler, per_part: u32, row: &mut [f64], kept: &mut [f64]) {
         let slot = self.patches.slot_of_patch(patch);
         let facet = self.patches.facet(self.tracer, slot);
-        let own = (per_part as usize * PARTS) as f64 / (PI * self.patches.areas()[patch]);
+        let own = (per_part as usize * PARTS) as f64 / (PI * self.patches.etendues()[patch]);
         let mut left = vec![1.0; self.channels];
         let of_part = row.len() / PARTS;
         for (part, row) in row.chunks_exact_mut(of_part).enumerate() {
@@ -186,7 +185,7 @@ impl Search<'_> {
             for (ray, point) in facet.rays(sequence, points.clone()).zip(points) {
                 // Follow what meets a carrier to where it leaves the scene.
                 let Some(hit) = self.tracer.closest_hit(&ray) else { continue };
-                if !self.tracer.is_carrier(hit.face) {
+                if !self.tracer.may_go_on(hit.face) {
                     continue;
                 }
                 left.fill(1.0);
@@ -198,7 +197,7 @@ impl Search<'_> {
                 // Share its flux with the shots that could have come the other way.
                 let shots = (self.shots * PARTS as u64) as f64;
                 let density = shots * self.targets.sky_density(self.tracer, sky, last.from, last.direction);
-                let flux = self.compression(&hit) / (own + density);
+                let flux = 1.0 / (own + density);
                 let beam = sky.from(last.direction);
                 let [s, t, ..] = sequence.point(point);
                 let at = uniform_triangle([s, t]);
@@ -209,14 +208,6 @@ impl Search<'_> {
                 }
                 add(row, self.basis, at, &left);
             }
-        }
-    }
-
-    /// By how much radiance is greater inside glass, n², where a patch's ray meets its surface from within.
-    fn compression(&self, hit: &Hit) -> f64 {
-        match self.tracer.scene().material_of(hit.face as usize).surface {
-            Surface::Dielectric { index, .. } if hit.side == Side::Back => index * index,
-            _ => 1.0,
         }
     }
 
@@ -299,7 +290,7 @@ impl Search<'_> {
                     // Share the flux of the sky with the patch's own rays.
                     if density > 0.0 {
                         let own =
-                            (self.per_part as usize * PARTS) as f64 / (PI * self.patches.areas()[patch]);
+                            (self.per_part as usize * PARTS) as f64 / (PI * self.patches.etendues()[patch]);
                         flux.iter_mut().for_each(|flux| *flux /= own + density);
                     }
                     let slot = self.patches.slot_of_patch(patch);
@@ -323,7 +314,7 @@ impl Search<'_> {
     /// Makes irradiance of moments: of all parts, and by how much more each found.
     fn finish(self) -> Measured {
         let values = self.basis.coefficients() * self.channels;
-        let mass = Mass::new(self.basis, self.patches.areas());
+        let mass = Mass::new(self.basis, self.patches.etendues());
         let rows = self.basis.coefficients() * self.patches.len();
         let of_part = |part: usize| {
             let moments = self.moments.chunks_exact(values).skip(part).step_by(PARTS);

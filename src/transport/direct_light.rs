@@ -112,13 +112,14 @@ impl Look<'_> {
                 continue;
             }
             // Add what it sends, by basis functions.
+            let weight = facet.weight((to.point - from).normalize());
             let emission = &scene.material_of(to.face as usize).emission;
             let texture = scene.emission_texture(to.face as usize).map(|texture| texture.at(to.barycentrics));
             let weights = phi(sampling::uniform_triangle([s, t]));
             let of_part = &mut moments[part * N * emission.len()..][..N * emission.len()];
             for (row, phi) in of_part.chunks_exact_mut(emission.len()).zip(weights) {
                 for (c, (sum, e)) in row.iter_mut().zip(emission).enumerate() {
-                    *sum += worth * phi * g / to.pdf * e * texture.map_or(1.0, |texture| texture[c]);
+                    *sum += worth * phi * weight * g / to.pdf * e * texture.map_or(1.0, |texture| texture[c]);
                 }
             }
         }

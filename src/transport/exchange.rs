@@ -122,7 +122,7 @@ impl Exchange {
     ) -> Result<Self, Cancelled> {
         let Raw { storage, leaving: Leaving { all, in_carriers }, is_lamp } =
             assemble(rows, patches, tone, kind, left_out);
-        let mass = Mass::new(rows.recipe.basis, patches.areas());
+        let mass = Mass::new(rows.recipe.basis, patches.etendues());
         Ok(Self { in_carriers, ..Self::new(storage, all, mass, &is_lamp, progress)? })
     }
 

@@ -100,6 +100,7 @@ pub(super) struct Parts {
     pub transmission: Cost,
     pub lamps: Cost,
     pub carriers: Cost,
+    pub coats: Cost,
     pub caustics: Cost,
     pub lights: Cost,
     pub sky: Cost,
@@ -177,6 +178,9 @@ impl Forecast {
         let rows = cost(rays, shared(rays * ray) + exact, rays * landing_bytes);
         let met = rays * density.carried * CARRIERS_MET;
         let carriers = cost(met, shared(met * ray), 0.0);
+        let [coated, turned] = coated_shares(tracer);
+        let turned = rays * density.landing * turned;
+        let coats = cost(turned, shared(turned * ray), 0.0);
         let pairs = patches * f64::from(lamp_rays);
         let lamp_columns = cost(pairs, shared(pairs * shadow_ray), 0.0);
         let has_caustics = work.trace.caustics == Shots::Shot && tracer.has_carriers() && !lamps.is_empty();
@@ -233,7 +237,7 @@ impl Forecast {
         let caustics = sum(&[lamp_shots, carried_light]);
         let points: f64 = scene.receivers().iter().map(|receiver| receiver.len() as f64).sum();
         let receivers = cost(points * look, shared(points * look * ray), 0.0);
-        let seen = work.pixels as f64 * PIXEL_RAYS * (1.0 + density.carried * PIXEL_CARRIED);
+        let seen = work.pixels as f64 * PIXEL_RAYS * (1.0 + (density.carried + coated) * PIXEL_CARRIED);
         let render = cost(0.0, shared(work.pixels as f64 * PIXEL + seen * ray), work.pixels as f64 * 24.0);
         let around = outlook.slots * LOOKS;
 
@@ -247,7 +251,7 @@ impl Forecast {
             ("load", cost(0.0, 1e-9 * faces as f64 * FACE_READ, 0.0)),
             ("build", cost(0.0, 1e-9 * faces as f64 * FACE_BUILT, 0.0)),
             ("patch", cost(around, shared(around * ray), outlook.slots * 40.0)),
-            ("trace", sum(&[rows, carriers, traced, lamp_shots])),
+            ("trace", sum(&[rows, carriers, coats, traced, lamp_shots])),
             ("balance", balance),
             ("light", light),
             ("factor", factor),
@@ -275,6 +279,7 @@ impl Forecast {
             transmission: share(interreflection, outlook.through_sheets / patches.max(1.0)),
             lamps: lamp_columns,
             carriers,
+            coats,
             caustics,
             lights,
             sky,
@@ -299,6 +304,24 @@ impl Forecast {
             + of(&["trace"]).max(of(&["factor", "solve", "series", "render"]));
         Cost { bytes, ..sum(&self.stages.iter().map(|stage| stage.cost).collect::<Vec<_>>()) }
     }
+}
+
+/// The part of diffuse surfaces that is coated, and the part of rays, landing anywhere on these, that coats reflect.
+fn coated_shares(tracer: &Tracer) -> [f64; 2] {
+    if !tracer.has_facets() {
+        return [0.0; 2];
+    }
+    let (mut area, mut shares) = (0.0, [0.0; 2]);
+    for face in (0..tracer.scene().faces().len()).filter(|&face| tracer.scene().is_diffuse(face)) {
+        let [a, b, c] = *tracer.corners(face);
+        let own = (b - a).cross(c - a).length();
+        area += own;
+        if let Some(coat) = tracer.coat_of(face as u32) {
+            shares[0] += own;
+            shares[1] += own * (1.0 - coat.passed_of_all());
+        }
+    }
+    shares.map(|share| if area > 0.0 { share / area } else { 0.0 })
 }
 
 fn sum(costs: &[Cost]) -> Cost {

@@ -268,7 +268,7 @@ impl FormFactors {
 
     /// Those of patches between which no light goes: everything escapes. For runs without interreflection.
     pub fn none(patches: &Patches, basis: Basis) -> Self {
-        Exchange::none(patches.areas(), basis).into()
+        Exchange::none(patches.etendues(), basis).into()
     }
 
     /// Form factors that are known already, perhaps with their rays.

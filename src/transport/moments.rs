@@ -26,7 +26,7 @@ pub(super) fn assemble(
     let finder = Finder { rows, patches, tone, is_lamp, left_out, rays, used };
     let (found, leaving): (Vec<Findings>, Vec<[[f64; 3]; 3]>) =
         (0..patches.len()).into_par_iter().map(|i| finder.found_by(i)).unzip();
-    let blocks = Blocks::new(patches.areas(), rays, &found);
+    let blocks = Blocks::new(patches.etendues(), rays, &found);
     drop(found);
     let coefficients = 3 * patches.len();
     let full = 4 * (coefficients as u64).pow(2);
@@ -55,7 +55,7 @@ struct Finder<'a> {
 impl Finder<'_> {
     /// What patch i found, and what escapes from it, is absorbed by carriers or lost, by corner.
     fn found_by(&self, i: usize) -> (Findings, [[f64; 3]; 3]) {
-        let area = self.patches.areas()[i];
+        let area = self.patches.etendues()[i];
         let mut leaving = [[0.0; 3]; 3];
         let Some(row) = self.rows.of(self.patches.slot_of_patch(i)) else {
             leaving.iter_mut().for_each(|corner| corner[ESCAPED] = area / 3.0);
@@ -110,7 +110,7 @@ impl Finder<'_> {
             Some((patch, std::array::from_fn(|entry| sum(run, entry))))
         });
         let by_carriers = carried.iter().map(|landing| {
-            let pair = [area, self.patches.areas()[landing.partner as usize]];
+            let pair = [area, self.patches.etendues()[landing.partner as usize]];
             let worth = self.rows.caustics.worth(pair, self.rays, self.used);
             (landing.partner, landing.moments().map(|m| m * worth))
         });

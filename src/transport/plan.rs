@@ -63,8 +63,8 @@ fn receivers(scene: &Scene) -> Effect {
 
 /// Light that is shot at what passes it on.
 fn caustics(scene: &Scene, used: &[&Material]) -> Effect {
-    if !used.iter().any(|m| m.surface.is_carrier()) {
-        return Effect::new("caustics", false, "no mirror, metal or glass");
+    if !used.iter().any(|m| m.surface.passes_on()) {
+        return Effect::new("caustics", false, "no mirror, metal, glass or plastic");
     }
     let senders = [
         (used.iter().any(|m| m.emits()), "lamps"),
@@ -76,7 +76,11 @@ fn caustics(scene: &Scene, used: &[&Material]) -> Effect {
         [] => Effect::new("caustics", false, "no lamp, no light without area and no sky"),
         names => {
             let names = names.join(" and ");
-            Effect::new("caustics", true, format!("light shot from {names} at mirrors, metals and glass"))
+            Effect::new(
+                "caustics",
+                true,
+                format!("light shot from {names} at mirrors, metals, glass and coats"),
+            )
         }
     }
 }
@@ -104,20 +108,6 @@ impl Plan {
     pub fn new(scene: &Scene) -> Self {
         let effect = |effect, on, reason: &str| Effect::new(effect, on, reason);
         let reflects = scene.materials().iter().any(|m| m.reflects() || m.transmittance().is_some());
-        let called_for = |effect, what: &str, wants: &dyn Fn(usize) -> bool| {
-            let names: Vec<&str> = scene
-                .materials()
-                .iter()
-                .enumerate()
-                .filter(|&(k, _)| wants(k))
-                .map(|(_, m)| m.name.as_str())
-                .collect();
-            let reason = match names.len() {
-                0 => format!("no {what}"),
-                _ => format!("not simulated yet; taken as diffuse: {}", names.join(", ")),
-            };
-            Effect::new(effect, false, reason)
-        };
         let used: Vec<&Material> = {
             let on_faces = |k: &usize| scene.faces().iter().any(|face| face.material as usize == *k);
             (0..scene.materials().len()).filter(on_faces).map(|k| &scene.materials()[k]).collect()
@@ -172,7 +162,7 @@ impl Plan {
                 carrier("thin glass", "thin glass", |surface| matches!(surface, Surface::Pane { .. })),
                 carrier("gloss", "rough metal", |surface| matches!(surface, Surface::Conductor { .. })),
                 transmission(&used),
-                called_for("plastic", "plastic", &|k| scene.materials()[k].surface == Surface::Plastic),
+                carrier("plastic", "plastic", |surface| matches!(surface, Surface::Plastic { .. })),
                 textures(&used),
             ],
         }
@@ -215,15 +205,11 @@ impl Plan {
                 "sky" => parts.sky,
                 "receivers" => parts.receivers,
                 "mirror" | "dielectric" => parts.carriers,
+                "plastic" => parts.coats,
                 "caustics" => parts.caustics,
                 _ => Cost::default(),
             };
         }
         self
-    }
-
-    /// The effects that the scene calls for and that are not simulated.
-    pub fn missing(&self) -> impl Iterator<Item = &Effect> {
-        self.effects.iter().filter(|e| !e.on && e.reason.starts_with("not simulated"))
     }
 }

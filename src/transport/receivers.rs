@@ -133,9 +133,7 @@ impl Gather<'_, '_> {
             let mut is_straight = true;
             let end = match self.tracer.closest_hit(&ray) {
                 None => Destination::Away(ray),
-                Some(hit) if !self.tracer.is_carrier(hit.face) => {
-                    Destination::Diffuse { hit, carried: false }
-                }
+                Some(hit) if !self.tracer.may_go_on(hit.face) => Destination::Diffuse { hit, carried: false },
                 Some(hit) => self.tracer.follow(&ray, hit, numbers, dims, |before, hit, after| {
                     is_straight &= self.tracer.goes_straight(before, hit, after);
                 }),

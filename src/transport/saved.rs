@@ -92,7 +92,7 @@ impl FormFactors {
         let lamps = Lamps::of_interest(tracer, lamp_rays);
         if same_light && lamps.faces().eq(saved.lamp_faces.iter().copied()) {
             let rows = (keep == Keep::Rays).then(|| saved.read_rows(file)).transpose()?;
-            let mass = Mass::new(saved.recipe.basis, patches.areas());
+            let mass = Mass::new(saved.recipe.basis, patches.etendues());
             let exchange = |SavedExchange { storage, scale, leaving, closure, shrinkage }| {
                 Exchange::from_raw(storage, scale, leaving, mass.clone(), closure, shrinkage)
             };
@@ -290,16 +290,19 @@ impl Saved {
     }
 }
 
-/// A hash of everything that rays can meet, and of what mirrors, metals and glass do with them.
+/// A hash of everything that rays can meet, and of what mirrors, metals, glass and coats do with them.
 fn geometry_hash(scene: &Scene) -> u64 {
     let mut hash = Xxh3::new();
     for (k, face) in scene.faces().iter().enumerate() {
         hash.update(&[u8::from(face.state == FaceState::Kept)]);
         scene.corners(k).iter().for_each(|p| hash.update(bytemuck::cast_slice(&p.to_array())));
         let surface = &scene.material_of(k).surface;
+        if let Surface::Plastic { index, roughness } = surface {
+            hash.update(bytemuck::bytes_of(&[4.0, *index, *roughness]));
+        }
         if let Some(colour) = surface.colour() {
             let number = match surface {
-                Surface::Mirror { .. } | Surface::Diffuse | Surface::Plastic => [0.0, 0.0],
+                Surface::Mirror { .. } | Surface::Diffuse | Surface::Plastic { .. } => [0.0, 0.0],
                 Surface::Dielectric { index, .. } => [1.0, *index],
                 Surface::Conductor { roughness, .. } => [2.0, *roughness],
                 Surface::Pane { index, .. } => [3.0, *index],

@@ -225,9 +225,10 @@ impl Look<'_> {
                 seen.iter_mut().for_each(|seen| seen.whole[part] += weight);
                 left.fill(1.0);
                 let place = (point, facet.face);
+                let coated = facet.weight(beam.direction);
                 if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, place, &mut left) {
                     for (seen, left) in seen.iter_mut().zip(&left) {
-                        seen.add(part, weight * beam.share * left, phi([s, t]));
+                        seen.add(part, weight * coated * beam.share * left, phi([s, t]));
                     }
                 }
             }
@@ -256,6 +257,7 @@ impl Look<'_> {
                 left.fill(1.0);
                 if weight > 0.0 && self.tracer.passes(&ray, f64::INFINITY, &mut left) {
                     let part = ((k - first) as usize * PARTS) / self.rays as usize;
+                    let weight = weight * facet.weight(direction);
                     for (c, (seen, left)) in seen.iter_mut().zip(&left).enumerate() {
                         let tint = tint.map_or(1.0, |tint| tint[c]);
                         seen.add(part, weight * tint * left, phi([s, t]));

@@ -137,7 +137,7 @@ impl Setting<'_> {
         [rays, lamps].map(|mut kind| {
             kind.par_iter_mut().for_each(|batch| {
                 balance.put_right(batch);
-                for (lanes, area) in batch.iter_mut().zip(self.patches.areas()) {
+                for (lanes, area) in batch.iter_mut().zip(self.patches.etendues()) {
                     lanes.iter_mut().for_each(|lane| *lane *= std::f64::consts::PI / area);
                 }
             });
@@ -166,7 +166,7 @@ impl Setting<'_> {
             (0..self.patches.len()).map(of_patch).collect()
         };
         let (all, from_lamps) = (times(false), times(true));
-        let fills = |i: usize| from_lamps[i][ONES] > super::balance::FLOODED * self.patches.areas()[i];
+        let fills = |i: usize| from_lamps[i][ONES] > super::balance::FLOODED * self.patches.etendues()[i];
         let flooded = (0..self.patches.len()).map(|i| !self.is_lamp[i] && fills(i)).collect();
         Known { field, scaled, all, from_lamps, flooded }
     }
@@ -179,7 +179,7 @@ impl Setting<'_> {
         phi: impl Fn(Spot) -> [f64; K],
     ) -> (Vec<Lanes>, Vec<Lanes>) {
         let (_, scale) = self.exchange.raw();
-        let areas = self.patches.areas();
+        let areas = self.patches.etendues();
         let n = areas.len();
         let recipe = self.rows.recipe;
         let batch_size = (recipe.count.rays / BATCHES) as usize;
@@ -255,7 +255,7 @@ impl Setting<'_> {
 
     /// What a ray by way of carriers between a receiver and a lamp patch is worth to its batch.
     fn carried_worth(&self, i: usize, j: usize) -> f64 {
-        let areas = self.patches.areas();
+        let areas = self.patches.etendues();
         let rays = f64::from(self.rows.recipe.count.rays);
         f64::from(BATCHES) * self.rows.caustics.worth([areas[i], areas[j]], rays, BATCHES)
     }
@@ -349,7 +349,7 @@ impl<'a> Balance<'a> {
         let target: Vec<f64> = (0..n)
             .map(|i| {
                 let lamps = if is_lamp[i] || known.flooded[i] { 0.0 } else { known.from_lamps[i][ONES] };
-                (patches.areas()[i] - lamps).max(0.05 * patches.areas()[i])
+                (patches.etendues()[i] - lamps).max(0.05 * patches.etendues()[i])
             })
             .collect();
         let mut cluster_target = DVector::zeros(clusters.count);
@@ -379,7 +379,7 @@ impl<'a> Balance<'a> {
     /// Adds to a batch's change what balancing does about it.
     fn put_right(&self, change: &mut [Lanes]) {
         let Setting { exchange, patches, is_lamp, clusters, .. } = self.setting;
-        let areas = patches.areas();
+        let areas = patches.etendues();
         let each = exchange.basis().coefficients();
         // Each lamp closes its own row, and with it changes its entries in all others ...
         let mut to_others = vec![[0.0; LANES]; change.len()];

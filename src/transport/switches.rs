@@ -6,7 +6,7 @@ use super::{LightOptions, Occlusion, Plan, TraceOptions};
 use crate::scene::{Feature, Scene};
 
 /// Effects that can be left out, what each loses, and what is left out of the scene for it, if that is all.
-const SWITCHES: [(&str, &str, Option<Feature>); 16] = [
+const SWITCHES: [(&str, &str, Option<Feature>); 17] = [
     (
         "interreflection",
         "surfaces light no others: what comes straight from lamps, lights and sky is all there is",
@@ -33,6 +33,7 @@ const SWITCHES: [(&str, &str, Option<Feature>); 16] = [
     ("thin glass", "thin glass is not there: light passes unfiltered", Some(Feature::ThinGlass)),
     ("gloss", "rough metals are diffuse surfaces of the same reflectance", Some(Feature::Gloss)),
     (TRANSMISSION, "sheets absorb what they would let through", Some(Feature::Transmission)),
+    ("plastic", "plastic is the diffuse surface under its coat", Some(Feature::Plastic)),
     (
         "carrier colour",
         "mirrors, metals and glass are grey, by the mean of their channels",

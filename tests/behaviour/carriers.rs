@@ -281,7 +281,6 @@ fn the_plan_simulates_what_mirrors_and_glass_call_for() {
     let colour = |ks: [f64; 3]| {
         let walls = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
         let plan = Plan::new(&quads(&walls, vec![Material::mirror("gold", &ks)]));
-        assert_eq!(plan.missing().count(), 0);
         let effect = plan.effects.iter().find(|e| e.effect == "carrier colour").unwrap();
         (effect.on, effect.reason.contains("gold"))
     };

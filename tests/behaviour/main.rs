@@ -21,9 +21,11 @@ mod lamp_columns; // direct light without bias
 mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, an independent reference
 mod lights; // lights without area and skies: closed forms, energy, the path tracer, settings
 mod linear_elements; // the same rays, less mesh error, and what keeps them stable
+mod media; // glass in water, walls in glass: Snell between solids, a furnace, apparent depth, light paths
 mod path_tracer; // closed forms and another renderer, judged by standard errors
 mod pictures; // what cameras see: ways of shading agree, nothing lit is black
 mod plan; // what is foretold of effects, patches, bytes, against what comes of it
+mod plastic; // a diffuse base under a coat: furnaces, closed forms, light paths, pictures, files
 mod receivers; // light at points that are no patches, and what is reported in lux
 mod saved_factors; // what may change around saved form factors, and what may not
 mod sheets; // blinds and lampshades: closed forms, energy, every solver, light paths, bad input

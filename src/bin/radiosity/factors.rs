@@ -67,7 +67,7 @@ impl FactorsArgs {
     pub fn settle(&self, scene: Scene, terminal: &Terminal) -> Result<(Scene, Plan), Failure> {
         let (scene, plan, told) = self.effects.apply(scene);
         scene.require_light()?;
-        terminal.warn_of(&scene, &plan);
+        terminal.warn_of(&scene);
         told.iter().for_each(|line| terminal.warn(line));
         let direct_only = scene.is_without(Feature::Interreflection);
         let from_file = self.factors.is_some() || self.save_factors.is_some();

@@ -8,7 +8,7 @@ use radiosity::output::{self, FactorFormat, FactorTable};
 use radiosity::patches::{GroupBy, Groups, Patches, Reach, Tessellation};
 use radiosity::scene::Scene;
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, Keep, Occlusion, Plan, TraceOptions};
+use radiosity::transport::{FormFactors, Keep, Occlusion, TraceOptions};
 
 use crate::args::{AccuracyArgs, RunArgs, SceneArgs};
 use crate::terminal::{Failure, Terminal};
@@ -110,7 +110,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
     progress.at("load", 0.0)?;
     let scene = args.scene.load()?;
-    terminal.warn_of(&scene, &Plan::new(&scene));
+    terminal.warn_of(&scene);
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
     let options =

@@ -9,7 +9,7 @@ use radiosity::output::{self, StudySummary};
 use radiosity::patches::PatchError;
 use radiosity::solve::SolveError;
 use radiosity::trace::Tracer;
-use radiosity::transport::{Plan, TransportError};
+use radiosity::transport::TransportError;
 
 use crate::args::{self, BasisArg, RunArgs, SceneArgs};
 use crate::terminal::{Failure, Terminal};
@@ -57,7 +57,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("load", 0.0)?;
     let scene = args.scene.load()?;
     scene.require_light()?;
-    terminal.warn_of(&scene, &Plan::new(&scene));
+    terminal.warn_of(&scene);
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
     let options = StudyOptions {

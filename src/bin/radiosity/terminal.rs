@@ -11,7 +11,6 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use radiosity::output::Stage;
 use radiosity::progress::{Observer, Progress};
 use radiosity::scene::Scene;
-use radiosity::transport::Plan;
 
 /// Any error, ready to be printed.
 pub type Failure = Box<dyn std::error::Error>;
@@ -87,10 +86,9 @@ impl Terminal {
         let _ = writeln!(io::stderr().lock(), "{line}");
     }
 
-    /// Tells what reading a scene brought to light, and what it asks for and does not get.
-    pub fn warn_of(&self, scene: &Scene, plan: &Plan) {
+    /// Tells what reading a scene brought to light.
+    pub fn warn_of(&self, scene: &Scene) {
         scene.warnings().iter().for_each(|warning| self.warn(warning));
-        plan.missing().for_each(|effect| self.warn(format_args!("{}: {}", effect.effect, effect.reason)));
     }
 
     /// Notes the bytes that the result of the stage under way takes.

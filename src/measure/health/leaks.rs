@@ -81,15 +81,15 @@ fn short(metres: f64) -> String {
 }
 
 /// Where light comes from.
-struct Starts {
-    facets: Vec<Facet>,
+struct Starts<'t> {
+    facets: Vec<Facet<'t>>,
     /// Per facet: the power of it and of those before.
     power: Vec<f64>,
 }
 
-impl Starts {
+impl<'t> Starts<'t> {
     /// The fronts of lamps; without lamps, all patches.
-    fn new(tracer: &Tracer, patches: &Patches) -> Self {
+    fn new(tracer: &'t Tracer, patches: &Patches) -> Self {
         let scene = tracer.scene();
         let emission = |face: usize| scene.mean_emission(face).iter().sum::<f64>();
         let lamps = shape::kept(scene).filter(|&face| emission(face) > 0.0).map(|face| {
@@ -97,10 +97,11 @@ impl Starts {
                 face: face as u32,
                 corners: *tracer.corners(face),
                 normal: tracer.normal(face, Side::Front),
+                coat: None,
             };
             (facet, emission(face))
         });
-        let mut glowing: Vec<(Facet, f64)> = lamps.collect();
+        let mut glowing: Vec<(Facet<'t>, f64)> = lamps.collect();
         if glowing.is_empty() {
             let slots = (0..patches.len()).map(|i| patches.slot_of_patch(i));
             glowing = slots.map(|slot| (patches.facet(tracer, slot), 1.0)).collect();
@@ -115,7 +116,7 @@ impl Starts {
     }
 
     /// Where a path starts; each facet has as many as is its share of the power.
-    fn of(&self, path: u32) -> Option<Facet> {
+    fn of(&self, path: u32) -> Option<Facet<'t>> {
         let power = self.power.last()? * (f64::from(path) + 0.5) / f64::from(PATHS);
         self.facets.get(self.power.partition_point(|&sum| sum <= power)).copied()
     }

@@ -56,6 +56,7 @@ impl Beams {
         let ray = |direction: DVec3| Ray { origin: place.point, direction, from: place.face };
         // Dim the power by the glass it comes through.
         let mut look = |part: f64, direction: DVec3, distance: f64, power: &[f64]| {
+            let part = part * place.weight(place.normal.dot(direction));
             scratch.copy_from_slice(power);
             if tracer.passes(&ray(direction), distance, scratch) {
                 arrives(part, scratch);
@@ -96,7 +97,8 @@ impl Beams {
         }
         if let Some((environment, surroundings)) = &self.environment {
             let (towards, worth) = surroundings.sample(environment, place.normal, [s, t]);
-            let part = worth * place.normal.dot(towards);
+            let cosine = place.normal.dot(towards);
+            let part = worth * cosine;
             let Some((_, sky)) = &self.sky else { return };
             if part > 0.0 {
                 let mut colour = environment.from(towards);

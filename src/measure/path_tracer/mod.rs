@@ -67,7 +67,7 @@ impl Default for PathOptions<'_> {
     }
 }
 
-/// A path tracer for scenes of diffuse surfaces, mirrors, glass and rough conductors.
+/// A path tracer for scenes of diffuse surfaces, mirrors, glass, rough conductors and plastic.
 #[derive(Debug)]
 pub struct PathTracer<'t, 's> {
     walker: Walker<'t, 's>,
@@ -92,7 +92,7 @@ impl<'t, 's> PathTracer<'t, 's> {
         let mut numbers = Numbers { sequence, point: k, set: 1 };
         let mut colour = vec![1.0; walker.channels];
         let mut weight = vec![0.0; 2 * walker.channels];
-        let met = if walker.tracer.is_carrier(first.face) {
+        let met = if walker.tracer.may_go_on(first.face) {
             let scratch = &mut weight[..walker.channels];
             let lamp_seen = |part: f64, weight: &[f64], emission: &[f64]| {
                 let seen = emission.iter().zip(weight);
@@ -255,7 +255,12 @@ impl<'t, 's> PathTracer<'t, 's> {
             for point in 0..size {
                 let mut numbers = Numbers { sequence, point, set: 0 };
                 let [s, t, x, y] = numbers.next();
-                let place = Place { face: facet.face, point: facet.point([s, t]), normal: facet.normal };
+                let place = Place {
+                    face: facet.face,
+                    point: facet.point([s, t]),
+                    normal: facet.normal,
+                    coat: facet.coat,
+                };
                 self.walker.irradiance(
                     place,
                     [x, y],

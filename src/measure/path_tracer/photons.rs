@@ -1,7 +1,7 @@
 //! Photons: light from points and suns by way of mirrors, metals and glass, followed forwards to where it lands and from there on.
 //!
 //! Each starts towards the ball around all carriers, and counts where a carrier is the first thing it meets and turns it. On every diffuse
-//! surface it brings its flux, and goes on with the part ρ of it in a direction of density cos θ/π. Photons come in batches, the points of
+//! surface it brings its flux, and goes on with the part ρ of it in a direction of density cos θ/π, or as its coat lets light out. Photons come in batches, the points of
 //! one scrambled sequence, whose spread tells the standard error.
 
 use std::f64::consts::{PI, TAU};
@@ -14,7 +14,7 @@ use super::walk::{Beyond, CERTAIN, Met, Numbers, Walker, largest};
 use crate::patches::Patches;
 use crate::progress::Cancelled;
 use crate::scene::Light;
-use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around, uniform_disc};
+use crate::trace::sampling::{Sequence, frame_around, uniform_disc};
 use crate::trace::{Frame, Ray, Tracer};
 
 /// Where the streams of random sequences start; one a light.
@@ -62,7 +62,7 @@ impl Thrower {
         if lights.is_empty() || !tracer.has_carriers() {
             return None;
         }
-        let faces = (0..tracer.scene().faces().len()).filter(|&face| tracer.is_carrier(face as u32));
+        let faces = (0..tracer.scene().faces().len()).filter(|&face| tracer.may_go_on(face as u32));
         let corners: Vec<DVec3> = faces.flat_map(|face| *tracer.corners(face)).collect();
         let low = corners.iter().copied().reduce(DVec3::min)?;
         let high = corners.iter().copied().reduce(DVec3::max)?;
@@ -129,7 +129,7 @@ impl Thrower {
                     let place = patches.patch_at(met.hit.face as usize, met.hit.side, met.hit.barycentrics);
                     let Some(patch) = place else { return };
                     for (c, flux) in flux.iter().enumerate() {
-                        let irradiance = flux / patches.area(patch);
+                        let irradiance = flux / patches.etendue(patch);
                         found.push((patch * values + options.bounces * channels + c, irradiance));
                         if (1..=options.bounces).contains(&bounce) {
                             found.push((patch * values + (bounce - 1) * channels + c, irradiance));
@@ -197,7 +197,7 @@ fn follow(
     }
     for bounce in 0.. {
         let Some(hit) = walker.tracer.closest_hit(&ray) else { return };
-        let met = if walker.tracer.is_carrier(hit.face) {
+        let met = if walker.tracer.may_go_on(hit.face) {
             match walker.beyond_carriers(ray, hit, numbers, [&mut *weight, &mut *scratch], |_, _, _| {}) {
                 Beyond::Met(met) => met,
                 Beyond::Away { .. } | Beyond::Nowhere => return,
@@ -224,7 +224,6 @@ fn follow(
         if bounce >= CERTAIN {
             weight.iter_mut().for_each(|w| *w /= survival);
         }
-        let direction = frame_around(place.normal) * cosine_hemisphere([s, t]);
-        ray = Ray { origin: place.point, direction, from: place.face };
+        ray = Ray { origin: place.point, direction: place.direction([s, t]), from: place.face };
     }
 }

@@ -6,7 +6,7 @@
 //!
 //! so that a walk over y, y′, … sums up ρ(y) ρ(y′) … · π Lₑ. On a sheet there is τ(y) times the H of its other side beside; the walk follows one of the two,
 //! by chance. Lamps are found twice at every step: by ω, and by a point drawn on them. The
-//! two are joined by multiple importance sampling with the power heuristic (Veach 1997, eq. 9.13). So it is at rough conductors, which stand
+//! two are joined by multiple importance sampling with the power heuristic (Veach 1997, eq. 9.13). So it is at rough conductors and coats, which stand
 //! between x and y as mirrors and glass do, but have directions enough for a lamp to be found by either way.
 
 use std::f64::consts::PI;
@@ -17,7 +17,7 @@ use super::beams::Beams;
 use super::lights::Lights;
 use crate::scene::{FaceTexture, Side};
 use crate::trace::sampling::{Sequence, cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
-use crate::trace::{Glossy, Hit, Ray, Tint, Tracer};
+use crate::trace::{Coat, Glossy, Hit, Ray, Tint, Tracer};
 
 /// Steps that every walk takes; from then on Russian roulette decides whether it goes on.
 pub(super) const CERTAIN: usize = 3;
@@ -27,23 +27,45 @@ const MOST_CARRIERS: usize = 1000;
 
 /// A place on a face's side.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct Place<'t> {
     pub face: u32,
     pub point: DVec3,
     /// Unit normal of the side.
     pub normal: DVec3,
+    /// What lies over it.
+    pub coat: Option<&'t Coat>,
 }
 
-impl Place {
+impl<'t> Place<'t> {
     /// Where a ray ended.
-    pub fn of(tracer: &Tracer, hit: &Hit) -> Self {
+    pub fn of(tracer: &'t Tracer, hit: &Hit) -> Self {
         let [a, b, c] = *tracer.corners(hit.face as usize);
         let [u, v] = hit.barycentrics;
         Self {
             face: hit.face,
             point: a + (b - a) * u + (c - a) * v,
             normal: tracer.normal(hit.face as usize, hit.side),
+            coat: tracer.coat_of(hit.face),
         }
+    }
+
+    /// A direction in which light is looked for, with density [`Place::density`].
+    #[inline]
+    pub fn direction(&self, square: [f64; 2]) -> DVec3 {
+        let local = self.coat.map_or_else(|| cosine_hemisphere(square), |coat| coat.leaving(square));
+        frame_around(self.normal) * local
+    }
+
+    /// cos θ/π, or (1 − E) cos θ / (π (1 − Ē)) under a coat.
+    #[inline]
+    fn density(&self, cosine: f64) -> f64 {
+        self.coat.map_or_else(|| cosine_hemisphere_pdf(cosine), |coat| coat.leaving_pdf(cosine))
+    }
+
+    /// By how much light from an angle counts more than even light does: 1 where there is no coat.
+    #[inline]
+    pub fn weight(&self, cosine: f64) -> f64 {
+        self.coat.map_or(1.0, |coat| coat.weight(cosine))
     }
 }
 
@@ -149,7 +171,7 @@ impl<'t, 's> Walker<'t, 's> {
     /// Where light arrived that leaves from where a ray ended: on that side, or on the other of a sheet, decided by `way`. Multiplies `weight` by the part
     /// that goes on from there, per channel, over the chance of going there.
     #[inline]
-    pub fn follow(&self, hit: &Hit, way: f64, weight: &mut [f64]) -> Place {
+    pub fn follow(&self, hit: &Hit, way: f64, weight: &mut [f64]) -> Place<'t> {
         let mut own = [0.0; 3];
         let reflectance = self.reflectance(hit, &mut own);
         let place = Place::of(self.tracer, hit);
@@ -188,7 +210,7 @@ impl<'t, 's> Walker<'t, 's> {
     #[inline]
     pub fn irradiance(
         &self,
-        mut place: Place,
+        mut place: Place<'t>,
         first: [f64; 2],
         numbers: &mut Numbers,
         weight: &mut [f64],
@@ -210,11 +232,11 @@ impl<'t, 's> Walker<'t, 's> {
             if let Some((seen, face, point)) = self.look_at_light(&place, [u, v]) {
                 arrives(k + 1, seen, weight, self.emission(face, point, &mut own));
             }
-            // Go on in a direction of density cos θ/π.
-            let outwards = frame_around(place.normal) * cosine_hemisphere(direction);
+            // Go on in a direction of density cos θ/π, or as the coat lets light in.
+            let outwards = place.direction(direction);
             let ray = Ray { origin: place.point, direction: outwards, from: place.face };
             let Some(first) = self.tracer.closest_hit(&ray) else { return };
-            let met = if self.tracer.is_carrier(first.face) {
+            let met = if self.tracer.may_go_on(first.face) {
                 let lamp_seen = |part: f64, weight: &[f64], emission: &[f64]| {
                     arrives(k + 1, PI * part, weight, emission);
                 };
@@ -232,7 +254,7 @@ impl<'t, 's> Walker<'t, 's> {
                     Beyond::Away { .. } | Beyond::Nowhere => return,
                 }
             } else {
-                let density = Some(cosine_hemisphere_pdf(place.normal.dot(outwards)));
+                let density = Some(place.density(place.normal.dot(outwards)));
                 Met { hit: first, direction: outwards, density, is_straight: true }
             };
             let hit = met.hit;
@@ -270,7 +292,7 @@ impl<'t, 's> Walker<'t, 's> {
     }
 
     /// Where a ray ends that carriers pass on from `hit`, by one way at each. Its weight takes on their colours; beside it there is scratch, both a value a channel. Calls `lamp_seen(part, weight, emission)` for each
-    /// part·weight·emission of the radiance that comes straight from a lamp by a rough conductor and was looked for there.
+    /// part·weight·emission of the radiance that comes straight from a lamp by a rough conductor or a coat and was looked for there.
     pub fn beyond_carriers(
         &self,
         mut ray: Ray,
@@ -292,7 +314,10 @@ impl<'t, 's> Walker<'t, 's> {
                 });
             }
             let [way, life, u, v] = numbers.next();
-            let scattered = self.tracer.scatter(&ray, &hit, [way, u, v], || numbers.next());
+            let Some(scattered) = self.tracer.scatter(&ray, &hit, [way, u, v], || numbers.next()) else {
+                // Plastic is no lamp, so that nothing looks for it from elsewhere.
+                return Beyond::Met(Met { hit, direction: ray.direction, density: None, is_straight });
+            };
             if let Some(colour) = scattered.colour {
                 let before = largest(weight);
                 weight.iter_mut().zip(colour.parts()).for_each(|(w, part)| *w *= part);
@@ -312,7 +337,7 @@ impl<'t, 's> Walker<'t, 's> {
             ray = scattered.ray;
             let Some(next) = self.tracer.closest_hit(&ray) else { return Beyond::Away { ray, is_straight } };
             hit = next;
-            if !self.tracer.is_carrier(hit.face) {
+            if !self.tracer.may_go_on(hit.face) {
                 let density = glossy.map(|glossy| glossy.density(ray.direction));
                 return Beyond::Met(Met { hit, direction: ray.direction, density, is_straight });
             }
@@ -371,9 +396,10 @@ impl<'t, 's> Walker<'t, 's> {
         }
         let distance = squared.sqrt();
         let by_light = light.density * squared * distance / there;
-        let by_direction = cosine_hemisphere_pdf(here / distance);
+        let by_direction = place.density(here / distance);
         // cos θ cos θ′ / r², per density of the point.
         let seen = here * there / (squared * squared) / light.density * share(by_light, by_direction);
+        let seen = seen * place.weight(here / distance);
         Some((seen, light.face, light.barycentrics))
     }
 }

@@ -19,7 +19,7 @@ use super::reflections::rgb_of;
 use crate::patches::{Barycentrics, Patches};
 use crate::scene::Side;
 use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around};
-use crate::trace::{Hit, LampView, Lamps, Lights, Ray, Tracer, geometry_term};
+use crate::trace::{Coat, Hit, LampView, Lamps, Lights, Ray, Tracer, geometry_term};
 
 /// A camera's ray that has met more carriers than this is given up.
 const MOST_CARRIERS: u32 = 256;
@@ -45,12 +45,22 @@ pub(super) struct Gather<'a, 's> {
 
 /// A point of a face's side.
 #[derive(Clone, Copy)]
-struct Place {
+struct Place<'t> {
     face: u32,
     side: Side,
     /// Normalised frame.
     point: DVec3,
     normal: DVec3,
+    coat: Option<&'t Coat>,
+}
+
+impl Place<'_> {
+    /// cos θ cos θ′ / (π r²) to another place, as a coat lets light in from there.
+    fn geometry_term(&self, there: (DVec3, DVec3)) -> f64 {
+        let g = geometry_term((self.point, self.normal), there);
+        let towards = || (there.0 - self.point).normalize();
+        self.coat.map_or(g, |coat| g * coat.weight(self.normal.dot(towards())))
+    }
 }
 
 impl<'a, 's> Gather<'a, 's> {
@@ -90,7 +100,7 @@ impl<'a, 's> Gather<'a, 's> {
         away: impl Fn(&Ray) -> DVec3,
     ) -> Option<(Hit, DVec3)> {
         let first = self.tracer.closest_hit(ray)?;
-        if self.tracer.is_carrier(first.face) {
+        if self.tracer.may_go_on(first.face) {
             let seen = self.seen_over_carriers(*ray, first, (numbers, 3), views, away, |hit, views| {
                 let lit = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics).is_some();
                 if lit { self.radiance(hit, numbers, views) } else { DVec3::ZERO }
@@ -129,7 +139,9 @@ impl<'a, 's> Gather<'a, 's> {
                 seen += colour * shine.of_a_lamp([s, t]);
             }
             let [way, _, u, v] = next_numbers();
-            let scattered = self.tracer.scatter(&ray, &hit, [way, u, v], &mut next_numbers);
+            let Some(scattered) = self.tracer.scatter(&ray, &hit, [way, u, v], &mut next_numbers) else {
+                return seen + colour * radiance(&hit, views);
+            };
             colour *= scattered.colour.map_or(DVec3::ONE, rgb_of);
             ray = scattered.ray;
             if colour.max_element() <= 0.0 {
@@ -137,7 +149,7 @@ impl<'a, 's> Gather<'a, 's> {
             }
             let Some(next) = self.tracer.closest_hit(&ray) else { return seen + colour * away(&ray) };
             hit = next;
-            if !self.tracer.is_carrier(hit.face) {
+            if !self.tracer.may_go_on(hit.face) {
                 let radiance = radiance(&hit, views);
                 return seen + colour * shine.map_or(radiance, |shine| shine.left_of(radiance, &ray, &hit));
             }
@@ -208,7 +220,7 @@ impl<'a, 's> Gather<'a, 's> {
         DVec3::from(to_rgb(&irradiance)) * FRAC_1_PI
     }
 
-    fn place(&self, hit: &Hit) -> Place {
+    fn place(&self, hit: &Hit) -> Place<'a> {
         let [a, b, c] = *self.tracer.corners(hit.face as usize);
         let [u, v] = hit.barycentrics;
         let point = a + (b - a) * u + (c - a) * v;
@@ -217,6 +229,7 @@ impl<'a, 's> Gather<'a, 's> {
             side: hit.side,
             point,
             normal: self.tracer.normal(hit.face as usize, hit.side),
+            coat: self.tracer.coat_of(hit.face),
         }
     }
 
@@ -238,15 +251,15 @@ impl<'a, 's> Gather<'a, 's> {
         let Some(lamp) = self.lamps.sample(view, random).filter(|lamp| lamp.face != place.face) else {
             return DVec3::ZERO;
         };
-        let g = geometry_term((place.point, place.normal), (lamp.point, lamp.normal));
+        let g = place.geometry_term((lamp.point, lamp.normal));
         if g == 0.0 || !self.tracer.unoccluded((place.point, place.face), (lamp.point, lamp.face)) {
             return DVec3::ZERO;
         }
-        // Weigh g/p by p/(p + g): a cosine-distributed ray finds the same point with density g.
+        // Weigh g/p by p/(p + g): a ray finds the same point with density g.
         self.emitted(lamp.face, Side::Front, lamp.barycentrics) * (g / (lamp.pdf + g))
     }
 
-    /// H/π from where a cosine-distributed ray lands.
+    /// H/π from where a ray lands that is distributed by the cosine, or as a coat lets light in.
     fn light_around(
         &self,
         place: &Place,
@@ -254,7 +267,8 @@ impl<'a, 's> Gather<'a, 's> {
         random: [f64; 2],
         numbers: (Sequence, u32),
     ) -> DVec3 {
-        let direction = frame_around(place.normal) * cosine_hemisphere(random);
+        let direction = place.coat.map_or_else(|| cosine_hemisphere(random), |coat| coat.leaving(random));
+        let direction = frame_around(place.normal) * direction;
         let ray = Ray { origin: place.point, direction, from: place.face };
         let Some(hit) = self.tracer.closest_hit(&ray) else { return DVec3::ZERO };
         let solved = |hit: &Hit| {
@@ -262,7 +276,7 @@ impl<'a, 's> Gather<'a, 's> {
             patch.map_or(DVec3::ZERO, |patch| self.radiance.at(patch, hit.barycentrics))
         };
         // What comes by way of carriers is found by such rays, and by looks at lamps from rough metal.
-        if self.tracer.is_carrier(hit.face) {
+        if self.tracer.may_go_on(hit.face) {
             return self.seen_over_carriers(
                 ray,
                 hit,
@@ -279,7 +293,7 @@ impl<'a, 's> Gather<'a, 's> {
         // Leave to lamp points their share of what the lamp emits.
         let there = self.place(&hit);
         let pdf = self.lamps.pdf(view, hit.face as usize);
-        let g = geometry_term((place.point, place.normal), (there.point, there.normal));
+        let g = place.geometry_term((there.point, there.normal));
         let share = if pdf > 0.0 { pdf / (pdf + g) } else { 0.0 };
         // A linear element that falls below what the lamp emits leaves nothing to add.
         (radiance - self.emitted(hit.face, hit.side, hit.barycentrics) * share).max(DVec3::ZERO)

@@ -1,4 +1,4 @@
-//! Highlights: lamps as rough metals show them.
+//! Highlights: lamps as rough metals and coats show them.
 //!
 //! A lamp is found by points drawn on it, and by rays that the metal sends out. Both count, weighted by the balance heuristic (Veach &
 //! Guibas 1995, eq. 14).
@@ -33,9 +33,9 @@ pub(super) struct Highlights<'a, 's> {
 }
 
 impl<'a, 's> Highlights<'a, 's> {
-    /// Nothing where there is no rough metal.
+    /// Nothing where there is neither rough metal nor plastic.
     pub fn new(tracer: &'a Tracer<'s>) -> Option<Self> {
-        tracer.has_rough_metal().then(|| Self { tracer, lamps: Lamps::new(tracer) })
+        tracer.has_facets().then(|| Self { tracer, lamps: Lamps::new(tracer) })
     }
 
     /// What a point of a metal that was met shows of lamps.

@@ -1,4 +1,4 @@
-//! Reflections: what is seen in mirrors and metals and through glass.
+//! Reflections: what is seen in mirrors, metals and coats and through glass.
 
 use glam::DVec3;
 
@@ -44,7 +44,7 @@ pub(super) fn seen_along(
     radiance: &impl Fn(&Hit) -> Option<DVec3>,
 ) -> Option<(Hit, DVec3)> {
     let hit = tracer.closest_hit(ray)?;
-    match tracer.is_carrier(hit.face) {
+    match tracer.may_go_on(hit.face) {
         false => Some((hit, radiance(&hit)?)),
         true => {
             let mut look = Look { tracer, highlights, chances, views, away, radiance };
@@ -83,7 +83,7 @@ struct Look<'a, 's, A, R> {
 }
 
 impl<A: Fn(&Ray) -> DVec3, R: Fn(&Hit) -> Option<DVec3>> Look<'_, '_, A, R> {
-    /// The part of what is seen that comes by way of a carrier.
+    /// The part of what is seen that comes by way of a carrier, or from a coat and from under it.
     fn over_carriers(&mut self, ray: &Ray, hit: &Hit, way: Way) -> DVec3 {
         let Some(glossy) = self.tracer.glossy(ray, hit) else {
             let (first, second) = self.tracer.ways_on(ray, hit);
@@ -100,7 +100,8 @@ impl<A: Fn(&Ray) -> DVec3, R: Fn(&Hit) -> Option<DVec3>> Look<'_, '_, A, R> {
             Some(point) => point..point + 1,
         };
         let each = way.part / points.len() as f64;
-        let mut sum = DVec3::ZERO;
+        let base = |passed: f64| way.part * passed * (self.radiance)(hit).unwrap_or_default();
+        let mut sum = glossy.passed().map_or(DVec3::ZERO, base);
         for point in points {
             let sequence = self.chances.sequence;
             let numbers = |set: u32| sequence.dimensions(self.chances.first + point, 3 * way.depth + set);
@@ -114,7 +115,7 @@ impl<A: Fn(&Ray) -> DVec3, R: Fn(&Hit) -> Option<DVec3>> Look<'_, '_, A, R> {
             }
             let [chance, u, v, _] = numbers(0);
             let on = glossy.sample([chance, u, v], || numbers(1));
-            let part = each * on.colour.map_or(DVec3::ONE, rgb_of);
+            let part = each * on.share * on.colour.map_or(DVec3::ONE, rgb_of);
             sum += self.beyond(&on.ray, Way { part, point: Some(point), ..way }, shine);
         }
         sum
@@ -128,7 +129,7 @@ impl<A: Fn(&Ray) -> DVec3, R: Fn(&Hit) -> Option<DVec3>> Look<'_, '_, A, R> {
         }
         match self.tracer.closest_hit(ray) {
             None => way.part * (self.away)(ray),
-            Some(next) if self.tracer.is_carrier(next.face) => {
+            Some(next) if self.tracer.may_go_on(next.face) => {
                 self.over_carriers(ray, &next, Way { depth: way.depth + 1, ..way })
             }
             Some(next) => {
