@@ -240,7 +240,7 @@ fn ball(radius: f64) -> Vec<[[f64; 3]; 4]> {
 }
 
 #[test]
-fn within_solid_glass_the_sky_is_brighter_by_the_square_of_the_index() {
+fn within_solid_glass_the_sky_is_as_bright_as_outside_by_the_square_of_the_index() {
     let glass = ball(1.0).into_iter().map(|quad| (quad, 1));
     let quads: Vec<_> = std::iter::once((square(0.0, 0.02), 0)).chain(glass).collect();
     let materials = vec![Material::diffuse("plate", &[0.5]), Material::dielectric("glass", 1.5, &[1.0])];
@@ -248,7 +248,7 @@ fn within_solid_glass_the_sky_is_brighter_by_the_square_of_the_index() {
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Count(4));
     let found = trace(&tracer, &patches, Basis::Constant, 1 << 14).direct.unwrap();
-    let part = found.sum() / found.nrows() as f64 / (2.25 * 2.0 * PI);
+    let part = found.sum() / found.nrows() as f64 / (2.0 * PI);
     // No more is missing than what the surface reflects back to the plate.
     assert!((0.95..1.002).contains(&part), "{part}");
 }
@@ -287,8 +287,9 @@ fn skies_of_every_kind_agree_with_and_without_shots() {
     }
 }
 
-/// A room with a thick window in its roof, a mirror and a block of brushed metal in it, all coloured, and every kind of light around and within.
-fn hall(reflectance: f64) -> Scene {
+/// A room with such walls, a thick window in its roof, a mirror and a block of brushed metal in it, all coloured, and every kind of light around
+/// and within.
+fn hall(wall: Material) -> Scene {
     let [left, bottom, front, right, top, back] = room([0.0; 3], [3.0; 3]);
     let roof = |x: [f64; 2], z: [f64; 2]| {
         [[x[0], 3.0, z[0]], [x[1], 3.0, z[0]], [x[1], 3.0, z[1]], [x[0], 3.0, z[1]]]
@@ -315,7 +316,7 @@ fn hall(reflectance: f64) -> Scene {
     lit_quads(
         &quads,
         vec![
-            Material::diffuse("wall", &[reflectance; 2]),
+            wall,
             Material::dielectric("glass", 1.5, &[0.95, 0.9]),
             Material::mirror("mirror", &[0.9, 0.6]),
             Material::conductor("metal", 0.4, &[0.8, 0.5]),
@@ -327,7 +328,16 @@ fn hall(reflectance: f64) -> Scene {
 
 #[test]
 fn light_paths_and_photons_find_the_same_on_every_black_patch() {
-    let scene = hall(0.0);
+    agree_on_black(hall(Material::diffuse("wall", &[0.0; 2])));
+}
+
+#[test]
+fn light_paths_and_photons_find_the_same_under_coats() {
+    agree_on_black(hall(Material::plastic("wall", (0.3, 1.5), &[0.0; 2])));
+}
+
+/// Holds light by way of carriers in a hall of black walls against light paths and photons.
+fn agree_on_black(scene: Scene) {
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Count(200));
     let options =
@@ -357,13 +367,16 @@ fn light_paths_and_photons_find_the_same_on_every_black_patch() {
     let brought = &sources.carried.as_ref().unwrap().irradiance;
     for c in 0..2 {
         let dim = (0..patches.len()).filter(|&i| brought[(i, c)] > 0.5 * found[(i, c)]);
-        let (mut ours, mut theirs) = (0.0, 0.0);
+        let (mut ours, mut theirs, mut variance) = (0.0, 0.0, 0.0);
         for i in dim {
+            let truth = traced.irradiance(i, c);
             ours += patches.area(i) * found[(i, c)];
-            theirs += patches.area(i) * traced.irradiance(i, c).mean;
+            theirs += patches.area(i) * truth.mean;
+            variance += patches.area(i).powi(2) * (truth.standard_error.powi(2) + errors[(i, c)].powi(2));
         }
         assert!(ours > 0.01 * whole[c][0], "{ours} of {}", whole[c][0]);
-        assert!((ours / theirs - 1.0).abs() < 0.01, "{ours} {theirs}");
+        println!("{ours} {theirs} ± {}", variance.sqrt());
+        assert!((ours - theirs).abs() < 4.0 * variance.sqrt(), "{ours} {theirs} ± {}", variance.sqrt());
     }
     // It matters: without what carriers bring the inside of the room would be much darker.
     assert!(brought.sum() > 0.02 * found.sum(), "{} {}", brought.sum(), found.sum());
@@ -371,7 +384,7 @@ fn light_paths_and_photons_find_the_same_on_every_black_patch() {
 
 #[test]
 fn light_that_goes_on_is_the_same_by_photons_and_by_the_operator_and_no_energy_is_lost() {
-    let scene = hall(0.5);
+    let scene = hall(Material::diffuse("wall", &[0.5; 2]));
     let tracer = Tracer::new(&scene);
     let mut patches = cut(&tracer, PatchSize::Count(1500));
     let options = TraceOptions { rays: Some(256), ..Default::default() };
@@ -405,7 +418,7 @@ fn light_that_goes_on_is_the_same_by_photons_and_by_the_operator_and_no_energy_i
 
 #[test]
 fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
-    let scene = hall(0.5);
+    let scene = hall(Material::diffuse("wall", &[0.5; 2]));
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Count(100));
     for basis in BASES {
