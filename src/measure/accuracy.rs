@@ -9,7 +9,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::MeasureError;
-use super::error_bars::{ErrorBars, ErrorBudget, ErrorPart, MESH_AT_MOST, noise_at_most};
+use super::error_bars::{ErrorBars, ErrorBudget, ErrorPart, mesh_at_most, noise_at_most};
 use crate::patches::{Basis, PatchSize, Patches, Tessellation};
 use crate::solve::{CgOptions, conjugate_gradients};
 use crate::trace::Tracer;
@@ -131,6 +131,9 @@ const PATCH_IN_RAYS: f64 = 40.0;
 
 /// Noise falls as the number of rays to this power: a little faster than chance, for rays are spread evenly.
 const NOISE_POWER: f64 = 0.55;
+
+/// How many patches can be merged into one on most cuts.
+const USUALLY_MERGED: f64 = 2.8;
 
 /// Mesh error falls as the edge to a power in this range.
 const MESH_POWERS: [f64; 2] = [0.6, 2.0];
@@ -305,7 +308,8 @@ impl<'s> Search<'_, 's> {
         let time_left = all_time - self.began.elapsed().as_secs_f64();
         let last = self.steps[self.steps.len() - 1];
         let known = (best.patches.len() as f64, f64::from(best.factors.rays()));
-        let forecast = Forecast { from: last, power: self.power, basis: best.factors.basis(), known };
+        let (basis, merged) = (best.factors.basis(), best.budget.merged);
+        let forecast = Forecast { from: last, power: self.power, basis, merged, known };
         // Look how many patches the choice has before it is made.
         let (cheapest, choice, lacking) = loop {
             let (cheapest, choice, lacking) = self.choose(&forecast, wanted, time_left);
@@ -406,6 +410,8 @@ struct Forecast {
     from: AccuracyStep,
     power: f64,
     basis: Basis,
+    /// How many patches were merged into one to tell the mesh error of the best answer.
+    merged: f64,
     /// Patches and rays of the best answer.
     known: (f64, f64),
 }
@@ -418,7 +424,8 @@ impl Forecast {
         let noise = self.from.noise * rays.powf(-NOISE_POWER);
         // The bound on noise also holds its own uncertainty, which is a part of it.
         let at_most = NOISE_SPREAD * noise_at_most(s.rays as u32, self.basis);
-        (MESH_AT_MOST * mesh).hypot(at_most * noise)
+        let merged = if self.is_same_cut(s) { self.merged } else { self.merged.max(USUALLY_MERGED) };
+        (mesh_at_most(self.basis, merged) * mesh).hypot(at_most * noise)
     }
 
     /// What it takes from the start.
@@ -433,12 +440,15 @@ impl Forecast {
         self.seconds(s) * work(s.patches, rays) / work(s.patches, s.rays)
     }
 
+    /// Whether it is the cut of the best answer.
+    fn is_same_cut(&self, s: &Setting) -> bool {
+        (s.patches / self.known.0 - 1.0).abs() < 0.02
+    }
+
     /// How many rays the best answer lacks, where that is all it lacks.
     fn more_rays(&self, s: &Setting) -> Option<f64> {
-        let (patches, rays) = self.known;
-        let more = s.rays - rays;
-        let same_cut = (s.patches / patches - 1.0).abs() < 0.02;
-        (same_cut && more >= FEWEST_MORE && self.basis == Basis::Constant).then_some(more)
+        let more = s.rays - self.known.1;
+        (self.is_same_cut(s) && more >= FEWEST_MORE && self.basis == Basis::Constant).then_some(more)
     }
 }
 

@@ -15,11 +15,9 @@ use crate::patches::{FaceRow, Patches};
 use crate::progress::Progress;
 use crate::solve::{Certainty, Report, Solution};
 use crate::transport::{FormFactors, Sources};
+pub(super) use mesh::at_most as mesh_at_most;
 use noise::Noise;
 pub(super) use noise::at_most as noise_at_most;
-
-/// How much more than estimated the mesh error may be, in nineteen of twenty cases.
-pub(super) const MESH_AT_MOST: f64 = 1.6;
 
 /// So much of the scene's relative mesh error every patch and face has: its own may vanish by chance.
 const COMMON: f64 = 0.7;
@@ -55,6 +53,9 @@ pub struct ErrorBudget {
     pub irradiance: f64,
     /// What it is made from.
     pub parts: Vec<ErrorPart>,
+    /// How many patches were merged into one to tell the mesh error.
+    #[serde(skip)]
+    pub(super) merged: f64,
 }
 
 /// One source of error.
@@ -100,7 +101,7 @@ impl ErrorBars {
         let irradiance = factors.basis().means(&solution.irradiance);
         let noise = Noise::of(patches, factors, sources, &solution.radiance)?;
         progress.at("solve", 0.5)?;
-        let change_by_patch = mesh::mesh_error(patches, factors, sources, &irradiance)?;
+        let (change_by_patch, merged) = mesh::mesh_error(patches, factors, sources, &irradiance)?;
         let faces = Faces { patches, irradiance: patches.average_by_face(&irradiance) };
         let [rays, lamps] = [&noise.rays, &noise.lamps].map(|batches| faces.batches(batches));
         let both: Vec<DMatrix<f64>> = noise.rays.iter().zip(&noise.lamps).map(|(a, b)| a + b).collect();
@@ -120,8 +121,12 @@ impl ErrorBars {
             part("solver", solution.report.bound, solution.report.certainty),
             part("storage", ROUNDING * solution.report.condition, solution.report.certainty),
         ];
-        let at_most = noise_at_most(factors.rays(), factors.basis());
-        let (relative_rms, upper95) = together(by_mesh, (&faces.squares(&all), at_most), &solution.report);
+        let basis = factors.basis();
+        let (relative_rms, upper95) = together(
+            (by_mesh, mesh_at_most(basis, merged)),
+            (&faces.squares(&all), noise_at_most(factors.rays(), basis)),
+            &solution.report,
+        );
         // A patch or face has its own noise, what of the mesh error is seen on it, and some of what all have.
         let bar = |h: f64, variance: f64, by_mesh_here: f64| {
             (variance + by_mesh_here.powi(2) + (COMMON * by_mesh * h).powi(2)).sqrt()
@@ -133,22 +138,26 @@ impl ErrorBars {
         let by_patch = DMatrix::from_fn(irradiance.nrows(), irradiance.ncols(), |i, c| {
             bar(irradiance[(i, c)], noise::variance(&both, (i, c)), change_by_patch[(i, c)])
         });
-        let budget = ErrorBudget { relative_rms, upper95, irradiance: faces.typical(), parts };
+        let budget = ErrorBudget { relative_rms, upper95, irradiance: faces.typical(), parts, merged };
         progress.at("solve", 1.0)?;
         Ok(Self { patches: by_patch, faces: by_face.collect(), budget })
     }
 }
 
-/// The error to be expected, and what it does not exceed in 95 cases of 100, from mesh error and the squared noise of each batch, with how many times
-/// more than it tells noise may be.
-fn together(by_mesh: f64, (noise, at_most): (&[f64], f64), report: &Report) -> (f64, f64) {
+/// The error to be expected, and what it does not exceed in 95 cases of 100, from mesh error and the squared noise of each batch, each with how many
+/// times more than it tells there may be.
+fn together(
+    (by_mesh, mesh_at_most): (f64, f64),
+    (noise, noise_at_most): (&[f64], f64),
+    report: &Report,
+) -> (f64, f64) {
     let batches = noise.len() as f64;
     let mean = noise.iter().sum::<f64>() / batches;
     let spread = (noise.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (batches - 1.0)).sqrt();
     // What the answer's own noise may be is what one more batch may have, less by their number.
     let most = mean + STUDENT * spread * (1.0 + 1.0 / batches).sqrt();
     let expected = (by_mesh.powi(2) + mean / batches).sqrt();
-    let upper = (MESH_AT_MOST * by_mesh).hypot(at_most * (most / batches).sqrt());
+    let upper = (mesh_at_most * by_mesh).hypot(noise_at_most * (most / batches).sqrt());
     let sure = report.bound + ROUNDING * report.condition;
     (expected, upper + if sure.is_finite() { sure } else { 0.0 })
 }
