@@ -6,8 +6,8 @@
 
 use nalgebra::DMatrix;
 
-use super::symmetric::{self, Root};
-use super::{Amplification, Solution, SolveError, finish, relative};
+use super::symmetric::{self, Root, Target};
+use super::{Amplification, Solution, SolveError, finish};
 use crate::progress::Progress;
 use crate::transport::Transport;
 
@@ -62,7 +62,7 @@ pub(super) fn iterate(
 ) -> Result<(DMatrix<f64>, usize), SolveError> {
     let (n, channels) = e.shape();
     assert_eq!((n, channels), (k.len(), k.channels()), "the right-hand side is N × c");
-    let goal: Vec<f64> = e.column_iter().map(|column| options.tolerance * column.amax()).collect();
+    let mut target = Target::new(e, options.tolerance);
     let mut through = DMatrix::zeros(n, channels);
     k.through(e, &mut through);
     let mut passes = 1;
@@ -70,25 +70,20 @@ pub(super) fn iterate(
     let mut y = DMatrix::zeros(n, channels);
     let mut p = r.clone();
     let mut rr: Vec<f64> = r.column_iter().map(|column| column.norm_squared()).collect();
-    let mut worst_at_start = f64::NAN;
     while passes < options.iterations {
         // The residual of L is R r, for J = I.
         let offs: Vec<f64> = root.times(&r).column_iter().map(|column| column.amax()).collect();
-        let worst = (0..channels).map(|c| relative(offs[c], goal[c])).fold(0.0, f64::max);
-        if worst <= 1.0 {
+        if target.is_reached(&offs) {
             break;
         }
-        if worst_at_start.is_nan() {
-            worst_at_start = worst;
-        }
-        options.progress.at("solve", (1.0 - worst.ln() / worst_at_start.ln()).clamp(0.0, 0.99))?;
+        target.report(&offs, options.progress)?;
         // q = (I − RᵀSR) p
         k.through(&root.times(&p), &mut through);
         passes += 1;
         let q = &p - root.transposed_times(&through);
         for c in 0..channels {
             let curvature = p.column(c).dot(&q.column(c));
-            if offs[c] <= goal[c] || curvature <= 0.0 {
+            if target.is_met(c, offs[c]) || curvature <= 0.0 {
                 continue;
             }
             let alpha = rr[c] / curvature;

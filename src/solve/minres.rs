@@ -7,9 +7,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::SolveError;
 use super::conjugate_gradient::CgOptions;
-use super::symmetric::Root;
-use super::{SolveError, relative};
+use super::symmetric::{Root, Target};
 use crate::transport::Transport;
 
 /// What a channel carries from step to step.
@@ -89,7 +89,7 @@ pub(super) fn iterate(
 ) -> Result<(DMatrix<f64>, usize), SolveError> {
     let (n, channels) = e.shape();
     assert_eq!((n, channels), (k.len(), k.channels()), "the right-hand side is N × c");
-    let goal: Vec<f64> = e.column_iter().map(|column| options.tolerance * column.amax()).collect();
+    let mut target = Target::new(e, options.tolerance);
     let mut through = DMatrix::zeros(n, channels);
     k.through(e, &mut through);
     let mut passes = 1;
@@ -98,22 +98,16 @@ pub(super) fn iterate(
     let gathered = |of: &[Channel], part: fn(&Channel) -> &DVector<f64>| {
         DMatrix::from_columns(&of.iter().map(|channel| part(channel).clone()).collect::<Vec<_>>())
     };
-    let mut worst_at_start = f64::NAN;
     while passes < options.iterations {
         // The residual of L is R J r.
         let mut r = gathered(&of, |channel| &channel.r);
         root.sign(&mut r);
         let offs: Vec<f64> = root.times(&r).column_iter().map(|column| column.amax()).collect();
-        let worst = (0..channels).map(|c| relative(offs[c], goal[c])).fold(0.0, f64::max);
-        if worst <= 1.0
-            || of.iter().zip(&offs).zip(&goal).all(|((of, off), goal)| off <= goal || of.eta == 0.0)
-        {
+        let goes_on = |(c, channel): (usize, &Channel)| !target.is_met(c, offs[c]) && channel.eta != 0.0;
+        if target.is_reached(&offs) || !of.iter().enumerate().any(goes_on) {
             break;
         }
-        if worst_at_start.is_nan() {
-            worst_at_start = worst;
-        }
-        options.progress.at("solve", (1.0 - worst.ln() / worst_at_start.ln()).clamp(0.0, 0.99))?;
+        target.report(&offs, options.progress)?;
         // q = (J − RᵀSR) v
         let mut v = gathered(&of, |channel| &channel.v[0]);
         k.through(&root.times(&v), &mut through);
@@ -121,7 +115,7 @@ pub(super) fn iterate(
         root.sign(&mut v);
         let q = v - root.transposed_times(&through);
         for (c, channel) in of.iter_mut().enumerate() {
-            if offs[c] > goal[c] && channel.eta != 0.0 {
+            if !target.is_met(c, offs[c]) && channel.eta != 0.0 {
                 channel.step(q.column(c).clone_owned());
             }
         }

@@ -18,8 +18,9 @@ use rayon::prelude::*;
 
 use super::conjugate_gradient::{self, CgOptions};
 use super::turns::Turns;
-use super::{SolveError, minres};
+use super::{SolveError, minres, relative};
 use crate::patches::Basis;
+use crate::progress::{Cancelled, Progress};
 use crate::transport::Transport;
 
 /// R = √ρ M^(−½), or V |Λ|^½ M^(−½) on sheets.
@@ -125,6 +126,45 @@ impl<'k> Root<'k> {
             matrix[(i, i)] += signs.as_ref().map_or(1.0, |signs| f64::from(signs[i]));
         }
         matrix
+    }
+}
+
+/// How far the residual of L has to fall in every channel.
+pub(super) struct Target {
+    /// ‖residual‖∞ that is small enough, per channel.
+    goal: Vec<f64>,
+    /// How many times too large it was at first.
+    at_start: f64,
+}
+
+impl Target {
+    /// This part of ‖E‖∞.
+    pub fn new(e: &DMatrix<f64>, tolerance: f64) -> Self {
+        let goal = e.column_iter().map(|column| tolerance * column.amax()).collect();
+        Self { goal, at_start: f64::NAN }
+    }
+
+    /// Whether a channel whose residual is this is there.
+    pub fn is_met(&self, channel: usize, off: f64) -> bool {
+        off <= self.goal[channel]
+    }
+
+    /// Whether all are.
+    pub fn is_reached(&self, offs: &[f64]) -> bool {
+        self.worst(offs) <= 1.0
+    }
+
+    /// Tells how much of the way is gone, on a logarithmic scale.
+    pub fn report(&mut self, offs: &[f64], progress: Progress) -> Result<(), Cancelled> {
+        let worst = self.worst(offs);
+        if self.at_start.is_nan() {
+            self.at_start = worst;
+        }
+        progress.at("solve", (1.0 - worst.ln() / self.at_start.ln()).clamp(0.0, 0.99))
+    }
+
+    fn worst(&self, offs: &[f64]) -> f64 {
+        offs.iter().zip(&self.goal).map(|(&off, &goal)| relative(off, goal)).fold(0.0, f64::max)
     }
 }
 

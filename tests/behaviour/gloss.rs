@@ -16,19 +16,19 @@ use crate::scenes::{flipped, quads, room};
 
 const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
 
-fn cut<'s>(tracer: &Tracer<'s>, size: PatchSize) -> Patches<'s> {
+pub(crate) fn cut<'s>(tracer: &Tracer<'s>, size: PatchSize) -> Patches<'s> {
     Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
 }
 
 /// A closed cube that glows and reflects half, with a block of this material in it, and a floor of it.
-fn furnace_with(metal: Material) -> Scene {
+pub(crate) fn furnace_with(metal: Material) -> Scene {
     let mut walls = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
     walls[1].1 = 1;
     let block = room([0.3, 0.35, 0.25], [0.7, 0.6, 0.65]).map(|quad| (flipped(quad), 1));
     quads(&[walls, block].concat(), vec![Material::lamp("wall", &[0.5], &[1.0]), metal])
 }
 
-fn paths(count: u64) -> PathOptions<'static> {
+pub(crate) fn paths(count: u64) -> PathOptions<'static> {
     PathOptions { budget: Budget { paths: Some(count), ..Budget::default() }, ..Default::default() }
 }
 
@@ -61,28 +61,30 @@ fn a_furnace_stays_a_furnace_around_white_metal_of_any_roughness() {
     }
 }
 
+/// How far the matrix is from light paths in a room with a floor and a wall of this material, and a block of it or of what the walls are.
+pub(crate) fn difference_in_a_room(material: Material, is_of_block: bool) -> Difference {
+    let mut walls = room([0.0; 3], [1.0, 0.8, 0.9]).map(|quad| (quad, 0));
+    walls[1].1 = 1;
+    walls[5].1 = 1;
+    let lamp = [[0.3, 0.79, 0.2], [0.6, 0.79, 0.2], [0.6, 0.79, 0.4], [0.3, 0.79, 0.4]];
+    let block = room([0.6, 0.0, 0.5], [0.8, 0.4, 0.7]).map(|quad| (flipped(quad), u32::from(is_of_block)));
+    let faces = [&walls[..], &[(lamp, 2)], &block].concat();
+    let materials =
+        vec![Material::diffuse("wall", &[0.6]), material, Material::lamp("lamp", &[0.0], &[10.0])];
+    let scene = quads(&faces, materials);
+    let tracer = Tracer::new(&scene);
+    let mut patches = cut(&tracer, PatchSize::Count(1500));
+    let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
+    let k = Transport::of(&factors, &patches).unwrap();
+    let solution = solve::solve(&k, &patches.sources(), &SolveOptions::default()).unwrap();
+    let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(600_000)).unwrap();
+    Difference::new(&solution.irradiance, &traced)
+}
+
 #[test]
 fn the_matrix_agrees_with_light_paths_in_a_room_of_metal() {
     for roughness in [0.2, 0.6] {
-        let mut walls = room([0.0; 3], [1.0, 0.8, 0.9]).map(|quad| (quad, 0));
-        walls[1].1 = 1;
-        walls[5].1 = 1;
-        let lamp = [[0.3, 0.79, 0.2], [0.6, 0.79, 0.2], [0.6, 0.79, 0.4], [0.3, 0.79, 0.4]];
-        let block = room([0.6, 0.0, 0.5], [0.8, 0.4, 0.7]).map(|quad| (flipped(quad), 0));
-        let faces = [&walls[..], &[(lamp, 2)], &block].concat();
-        let materials = vec![
-            Material::diffuse("wall", &[0.6]),
-            Material::conductor("metal", roughness, &[0.8]),
-            Material::lamp("lamp", &[0.0], &[10.0]),
-        ];
-        let scene = quads(&faces, materials);
-        let tracer = Tracer::new(&scene);
-        let mut patches = cut(&tracer, PatchSize::Count(1500));
-        let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
-        let k = Transport::of(&factors, &patches).unwrap();
-        let solution = solve::solve(&k, &patches.sources(), &SolveOptions::default()).unwrap();
-        let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(600_000)).unwrap();
-        let difference = Difference::new(&solution.irradiance, &traced);
+        let difference = difference_in_a_room(Material::conductor("metal", roughness, &[0.8]), false);
         assert!(difference.bias.abs() < 0.003 + 3.0 * difference.bias_error, "{difference:?}");
         assert!(difference.rms < 0.04 + 2.0 * difference.uncertainty, "{difference:?}");
     }

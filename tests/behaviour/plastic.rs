@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::io::Cursor;
 
-use radiosity::measure::{Budget, Difference, Energy, PathOptions, PathTracer};
+use radiosity::measure::{Energy, PathTracer};
 use radiosity::output::{RenderOptions, Shading, render};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Camera, Light, Material, Scene, SceneError, Sky, SkyKind, Surface};
@@ -14,29 +14,14 @@ use radiosity::transport::{
     Switches, TraceOptions, Transport, TransportError, Work,
 };
 
-use crate::scenes::{flipped, lit_quads, quads, room};
+use crate::gloss::{cut, difference_in_a_room, furnace_with, paths};
+use crate::scenes::{lit_quads, quads, room};
 use crate::scratch::Scratch;
 
 const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
 
 /// Coats by roughness and index.
 const COATS: [(f64, f64); 3] = [(0.0, 1.5), (0.4, 1.5), (1.0, 2.0)];
-
-fn cut<'s>(tracer: &Tracer<'s>, size: PatchSize) -> Patches<'s> {
-    Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
-}
-
-/// A closed cube that glows and reflects half, with a block of this material in it, and a floor of it.
-fn furnace_with(plastic: Material) -> Scene {
-    let mut walls = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
-    walls[1].1 = 1;
-    let block = room([0.3, 0.35, 0.25], [0.7, 0.6, 0.65]).map(|quad| (flipped(quad), 1));
-    quads(&[walls, block].concat(), vec![Material::lamp("wall", &[0.5], &[1.0]), plastic])
-}
-
-fn paths(count: u64) -> PathOptions<'static> {
-    PathOptions { budget: Budget { paths: Some(count), ..Budget::default() }, ..Default::default() }
-}
 
 /// 1 − Ē of a smooth coat, by the midpoint rule over μ².
 fn passed_of_all(index: f64) -> f64 {
@@ -189,25 +174,7 @@ fn lights_and_skies_get_under_a_coat_as_it_lets_them() {
 #[test]
 fn the_matrix_agrees_with_light_paths_in_a_room_of_plastic() {
     for coat in COATS {
-        let mut walls = room([0.0; 3], [1.0, 0.8, 0.9]).map(|quad| (quad, 0));
-        walls[1].1 = 1;
-        walls[5].1 = 1;
-        let lamp = [[0.3, 0.79, 0.2], [0.6, 0.79, 0.2], [0.6, 0.79, 0.4], [0.3, 0.79, 0.4]];
-        let block = room([0.6, 0.0, 0.5], [0.8, 0.4, 0.7]).map(|quad| (flipped(quad), 1));
-        let faces = [&walls[..], &[(lamp, 2)], &block].concat();
-        let materials = vec![
-            Material::diffuse("wall", &[0.6]),
-            Material::plastic("plastic", coat, &[0.7]),
-            Material::lamp("lamp", &[0.0], &[10.0]),
-        ];
-        let scene = quads(&faces, materials);
-        let tracer = Tracer::new(&scene);
-        let mut patches = cut(&tracer, PatchSize::Count(1500));
-        let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
-        let k = Transport::of(&factors, &patches).unwrap();
-        let solution = solve::solve(&k, &patches.sources(), &SolveOptions::default()).unwrap();
-        let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(600_000)).unwrap();
-        let difference = Difference::new(&solution.irradiance, &traced);
+        let difference = difference_in_a_room(Material::plastic("plastic", coat, &[0.7]), true);
         assert!(difference.bias.abs() < 0.003 + 3.0 * difference.bias_error, "{difference:?}");
         assert!(difference.rms < 0.02 + 2.0 * difference.uncertainty, "{difference:?}");
     }
