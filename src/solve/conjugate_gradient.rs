@@ -53,6 +53,14 @@ pub fn conjugate_gradients(
     Ok(solution)
 }
 
+/// The radiance L = E + K L to a relative residual, without judging it.
+///
+/// # Errors
+/// `Cancelled`.
+pub(crate) fn roughly(k: &Transport, e: &DMatrix<f64>, tolerance: f64) -> Result<DMatrix<f64>, SolveError> {
+    Ok(symmetric::iterate(k, e, &CgOptions { tolerance, ..Default::default() })?.0)
+}
+
 /// Iterates until the residual of L = E + R y is small in every channel; answers L and the number of passes.
 pub(super) fn iterate(
     root: &Root,

@@ -102,6 +102,15 @@ impl Direct<'_> {
         finish(self.k, e, &radiance, ("direct", 0), &self.amplification)
     }
 
+    /// The irradiance of L = E + K L, as exact as the factors are: neither refined nor judged, for answers that need not be.
+    ///
+    /// # Panics
+    /// If `e` is not N × c.
+    pub(crate) fn irradiance(&self, e: &DMatrix<f64>) -> DMatrix<f64> {
+        assert_eq!(e.shape(), (self.k.len(), self.k.channels()), "the right-hand side is N × c");
+        self.k.irradiance(&back_substitute(self.k, &self.root, &self.factors, &self.factor_of, e))
+    }
+
     /// Number of factorizations: one per distinct ρ.
     pub fn factorizations(&self) -> usize {
         self.factors.len()

@@ -19,6 +19,7 @@ mod turns;
 use nalgebra::DMatrix;
 
 pub use amplification::{Amplification, Certainty};
+pub(crate) use conjugate_gradient::roughly;
 pub use conjugate_gradient::{CgOptions, conjugate_gradients};
 pub use direct::{Direct, DirectOptions, direct};
 pub(crate) use direct::{factor_bytes, is_quick};

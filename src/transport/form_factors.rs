@@ -261,6 +261,13 @@ impl FormFactors {
         Self { exchanges, tones: self.tones.clone(), rays: self.rays, rows: None }
     }
 
+    /// The form factors between patches with constant elements on each, as a mean over what linear ones find; `None` where they are that already.
+    pub fn by_patch(&self) -> Option<Self> {
+        let each = self.basis().coefficients();
+        let patch_of: Vec<usize> = (0..self.exchange().len()).map(|k| k / each).collect();
+        (each > 1).then(|| self.merged(&patch_of, self.len()))
+    }
+
     /// Bytes that all exchange areas take.
     pub fn bytes(&self) -> u64 {
         self.exchanges.iter().map(Exchange::bytes).sum()

@@ -8,6 +8,7 @@ mod mesh;
 mod noise;
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::MeasureError;
@@ -98,11 +99,16 @@ impl ErrorBars {
         progress: Progress,
     ) -> Result<Self, MeasureError> {
         progress.at("solve", 0.0)?;
-        let irradiance = factors.basis().means(&solution.irradiance);
-        let noise = Noise::of(patches, factors, sources, &solution.radiance)?;
+        let basis = factors.basis();
+        let [radiance, irradiance] =
+            [&solution.radiance, &solution.irradiance].map(|field| basis.means(field));
+        let of_linear = factors.by_patch();
+        let by_patch = of_linear.as_ref().unwrap_or(factors);
+        let noise = Noise::of(patches, factors, by_patch, sources, &radiance)?;
         progress.at("solve", 0.5)?;
-        let (change_by_patch, merged) = mesh::mesh_error(patches, factors, sources, &irradiance)?;
-        let faces = Faces { patches, irradiance: patches.average_by_face(&irradiance) };
+        let (change_by_patch, merged) =
+            mesh::mesh_error(patches, (basis, by_patch), sources, [&radiance, &irradiance])?;
+        let faces = Faces::new(patches, &irradiance);
         let [rays, lamps] = [&noise.rays, &noise.lamps].map(|batches| faces.batches(batches));
         let both: Vec<DMatrix<f64>> = noise.rays.iter().zip(&noise.lamps).map(|(a, b)| a + b).collect();
         let all = faces.batches(&both);
@@ -121,7 +127,6 @@ impl ErrorBars {
             part("solver", solution.report.bound, solution.report.certainty),
             part("storage", ROUNDING * solution.report.condition, solution.report.certainty),
         ];
-        let basis = factors.basis();
         let (relative_rms, upper95) = together(
             (by_mesh, mesh_at_most(basis, merged)),
             (&faces.squares(&all), noise_at_most(factors.rays(), basis)),
@@ -163,20 +168,34 @@ fn together(
 }
 
 /// Irradiance by face, and sums over faces relative to it.
-struct Faces<'a> {
-    patches: &'a Patches<'a>,
+struct Faces {
     irradiance: Vec<FaceRow>,
+    /// Per patch, its face and side's row, and what part of that it is.
+    place: Vec<(usize, f64)>,
 }
 
-impl Faces<'_> {
+impl Faces {
+    fn new(patches: &Patches, irradiance: &DMatrix<f64>) -> Self {
+        let irradiance = patches.average_by_face(irradiance);
+        let mut place = vec![(0, 0.0); patches.len()];
+        for (f, row) in irradiance.iter().enumerate() {
+            let on_face = patches.patches_of(row.face, row.side);
+            on_face.for_each(|i| place[i] = (f, patches.area(i) / row.area));
+        }
+        Self { irradiance, place }
+    }
+
     /// Averages a field over faces: a row per face and side.
     fn of(&self, field: &DMatrix<f64>) -> DMatrix<f64> {
-        let rows = self.patches.average_by_face(field);
-        DMatrix::from_fn(rows.len(), field.ncols(), |f, c| rows[f].mean[c])
+        let mut means = DMatrix::zeros(self.irradiance.len(), field.ncols());
+        for (mut mean, column) in means.column_iter_mut().zip(field.column_iter()) {
+            column.iter().zip(&self.place).for_each(|(x, &(f, part))| mean[f] += part * x);
+        }
+        means
     }
 
     fn batches(&self, batches: &[DMatrix<f64>]) -> Vec<DMatrix<f64>> {
-        batches.iter().map(|field| self.of(field)).collect()
+        batches.par_iter().map(|field| self.of(field)).collect()
     }
 
     /// ΣA x over faces and channels.

@@ -4,11 +4,12 @@
 //! reflected comes from all sides and varies slowly, so that part is solved for between a few hundred clusters of patches.
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use crate::measure::MeasureError;
 use crate::patches::{Basis, Patches};
 use crate::solve::{DirectOptions, direct};
-use crate::transport::{FormFactors, Reflection, Sources, Transport};
+use crate::transport::{FormFactors, Reflection, Sources, Spread, Transport};
 
 /// About how many clusters of patches; and the fewest patches in one.
 const CLUSTERS: f64 = 128.0;
@@ -27,35 +28,33 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    /// Samples the noise in the irradiance of a solution with radiance L (N × c).
+    /// Samples the noise in the irradiance of a solution with radiance L (n × c), averaged over patches. `by_patch` are the form factors with
+    /// constant elements.
     pub fn of(
         patches: &Patches,
         factors: &FormFactors,
+        by_patch: &FormFactors,
         sources: &Sources,
         radiance: &DMatrix<f64>,
     ) -> Result<Self, MeasureError> {
         let clusters = patches.clusters((patches.len() as f64 / CLUSTERS).max(FEWEST), None);
-        let each = factors.basis().coefficients();
-        let of_coefficient: Vec<usize> =
-            clusters.of_patch.iter().flat_map(|&cluster| std::iter::repeat_n(cluster, each)).collect();
-        let merged = factors.merged(&of_coefficient, clusters.count);
-        let mut spread = factors.spread(patches, radiance, &clusters, &merged)?;
+        let merged = by_patch.merged(&clusters.of_patch, clusters.count);
+        let mut spread = factors.spread(patches, radiance, by_patch, (&clusters, &merged))?;
         for (lamps, lights) in spread.lamps.iter_mut().zip(&sources.spread) {
             *lamps += factors.basis().means(lights) / EVENNESS;
         }
-        let mean = |field: &DMatrix<f64>| patches.average_by(&clusters, field);
         let reflection = Reflection::of(patches);
         let k = Transport::new(&merged, reflection.merged(patches, &clusters))?;
         let solver = direct(&k, &DirectOptions::default())?;
-        let reflected_on = |mut change: DMatrix<f64>| {
-            let smooth = solver.solve(&mean(&reflection.reflect(&change))).irradiance;
-            for (i, &cluster) in clusters.of_patch.iter().enumerate() {
-                (0..change.ncols()).for_each(|c| change[(i, c)] += smooth[(cluster, c)]);
+        let reflected_on = |change: &mut DMatrix<f64>| {
+            let smooth = solver.irradiance(&patches.average_by(&clusters, &reflection.reflect(change)));
+            for (mut change, smooth) in change.column_iter_mut().zip(smooth.column_iter()) {
+                change.iter_mut().zip(&clusters.of_patch).for_each(|(x, &cluster)| *x += smooth[cluster]);
             }
-            change
         };
-        let all = |batches: Vec<DMatrix<f64>>| batches.into_iter().map(reflected_on).collect();
-        Ok(Self { rays: all(spread.rays), lamps: all(spread.lamps) })
+        let Spread { rays, lamps } = &mut spread;
+        rays.par_iter_mut().chain(lamps).for_each(reflected_on);
+        Ok(Self { rays: spread.rays, lamps: spread.lamps })
     }
 }
 
