@@ -9,8 +9,8 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::MeasureError;
-use super::error_bars::{ErrorBars, ErrorBudget, ErrorPart, mesh_at_most, noise_at_most};
-use crate::patches::{Basis, PatchSize, Patches, Tessellation};
+use super::error_bars::{ErrorBars, ErrorBudget, ErrorPart, Insight, noise_at_most};
+use crate::patches::{Basis, Cutter, PatchSize, Patches, Tessellation};
 use crate::solve::{CgOptions, conjugate_gradients};
 use crate::trace::Tracer;
 use crate::transport::{FormFactors, Keep, LightOptions, Sources, TraceOptions, Transport};
@@ -102,13 +102,13 @@ pub struct Accurate<'s> {
 }
 
 /// The first step.
-const FIRST: Setting = Setting { patches: 512.0, rays: 64.0 };
+const FIRST: Setting = Setting { patches: 256.0, rays: 64.0 };
 
 /// The fewest and most rays a patch.
 const RAYS: [f64; 2] = [32.0, 4096.0];
 
 /// A step is no more than so many times as dear as the one before: how errors fall is known only roughly until it has been seen.
-const LEAP: f64 = 16.0;
+const LEAP: f64 = 25.0;
 
 /// Steps aim a little below the goal, for what is foretold comes true only roughly; ...
 const AIM: f64 = 0.95;
@@ -117,29 +117,34 @@ const AIM: f64 = 0.95;
 const GROWTH: f64 = 1.4;
 
 /// The same of a step that only adds rays, whose effect is known better; and the fewest rays worth adding.
-const GROWTH_IN_RAYS: f64 = 1.15;
+const GROWTH_IN_RAYS: f64 = 1.2;
 const FEWEST_MORE: f64 = 16.0;
 
-/// How far batches differ makes the bound on noise larger by about so much.
-const NOISE_SPREAD: f64 = 1.08;
+/// Where faces are cut into fewer patches than this on average, what light does within most of them is not seen; an answer has to be found
+/// again on a cut so many times as fine before it is believed.
+const CUT_ENOUGH: f64 = 3.0;
+const FINER: f64 = 1.5;
+
+/// Mesh error of so much of the noise is hidden by it.
+const HIDDEN: f64 = 0.15;
 
 /// The most steps.
 const MOST_STEPS: usize = 10;
 
 /// What a patch costs beside its rays, in rays.
-const PATCH_IN_RAYS: f64 = 40.0;
+const PATCH_IN_RAYS: f64 = 56.0;
 
 /// Noise falls as the number of rays to this power: a little faster than chance, for rays are spread evenly.
 const NOISE_POWER: f64 = 0.55;
 
 /// How many patches can be merged into one on most cuts.
-const USUALLY_MERGED: f64 = 2.8;
+const USUALLY_MERGED: f64 = 3.0;
 
 /// Mesh error falls as the edge to a power in this range.
 const MESH_POWERS: [f64; 2] = [0.6, 2.0];
 
 /// What it is taken to be before two cuts have told.
-const MESH_POWER: f64 = 1.2;
+const MESH_POWER: f64 = 1.4;
 
 /// Numbers of patches to choose from: the first step's, and so many times more each.
 const RUNGS: i32 = 80;
@@ -164,18 +169,28 @@ pub fn reach<'s>(
     let began = Instant::now();
     let asked = |k: i32| FIRST.patches * RUNG.powi(k);
     let ladder = (0..RUNGS).map(|k| Rung { asked: asked(k), patches: asked(k), known: false }).collect();
-    let mut search =
-        Search { tracer, goal, tessellation, trace, began, steps: Vec::new(), power: MESH_POWER, ladder };
+    let mut search = Search {
+        tracer,
+        cutter: Cutter::new(tracer),
+        goal,
+        tessellation,
+        trace,
+        began,
+        steps: Vec::new(),
+        scatter: Vec::new(),
+        power: MESH_POWER,
+        ladder,
+    };
     // Where faces alone are more patches than that, with fewer rays each.
     let patches = FIRST.patches.max(tracer.scene().faces().len() as f64);
     let rays = (FIRST.patches * FIRST.rays / patches).max(RAYS[0]);
-    let mut best = search.step(Choice { rung: 0, setting: Setting { patches, rays } })?;
+    let mut best = search.step(None, Choice { rung: 0, setting: Setting { patches, rays } })?;
     let ending = loop {
         match search.next(&best) {
             Next::End(ending) => break ending,
             Next::MoreRays(rays) => best = search.add_rays(best, rays)?,
             Next::Step(choice) => {
-                let answer = search.step(choice)?;
+                let answer = search.step(Some(&best.patches), choice)?;
                 if answer.budget.upper95 < best.budget.upper95 {
                     best = answer;
                 }
@@ -203,11 +218,14 @@ enum Next {
 
 struct Search<'a, 's> {
     tracer: &'a Tracer<'s>,
+    cutter: Cutter<'a, 's>,
     goal: Goal,
     tessellation: &'a Tessellation<'a>,
     trace: &'a TraceOptions<'a>,
     began: Instant,
     steps: Vec<AccuracyStep>,
+    /// Of every step, how many times more than expected noise may be by how its batches differ.
+    scatter: Vec<f64>,
     /// What mesh error falls by: the edge to this power.
     power: f64,
     /// Numbers of patches to choose from, ascending.
@@ -230,11 +248,21 @@ struct Rung {
 }
 
 impl<'s> Search<'_, 's> {
-    /// Cuts, traces and solves.
-    fn step(&mut self, Choice { rung, setting }: Choice) -> Result<Answer<'s>, MeasureError> {
+    /// Cuts, traces and solves; where light reaches is taken from an earlier cut.
+    fn step(
+        &mut self,
+        earlier: Option<&Patches<'s>>,
+        Choice { rung, setting }: Choice,
+    ) -> Result<Answer<'s>, MeasureError> {
         let began = Instant::now();
-        let size = PatchSize::Count(self.ladder[rung].asked as usize);
-        let mut patches = Patches::new(self.tracer, &Tessellation { size, ..*self.tessellation })?;
+        let count = self.ladder[rung].asked as usize;
+        let mut patches = match earlier {
+            Some(earlier) => self.cutter.resize(earlier, count, self.tessellation)?,
+            None => {
+                let size = PatchSize::Count(count);
+                self.cutter.cut(&Tessellation { size, ..*self.tessellation })?
+            }
+        };
         let factors = FormFactors::trace(self.tracer, &mut patches, &self.options(setting.rays as u32))?;
         self.ladder[rung] = Rung { patches: patches.len() as f64, known: true, ..self.ladder[rung] };
         self.judge(began, patches, factors)
@@ -291,32 +319,35 @@ impl<'s> Search<'_, 's> {
             self.power = power.clamp(MESH_POWERS[0], MESH_POWERS[1]);
         }
         self.steps.push(step);
+        self.scatter.push(budget.scatter);
         Ok(Answer { patches, factors, budget })
     }
 
     /// What to do after the last step.
-    fn next(&mut self, best: &Answer) -> Next {
+    fn next(&mut self, best: &Answer<'s>) -> Next {
         let now = best.budget.upper95;
         let wanted = self.goal.error.map(|error| match error {
             Tolerated::Relative(share) => share,
             Tolerated::Irradiance(h) => h / best.budget.irradiance.max(f64::MIN_POSITIVE),
         });
-        if wanted.is_some_and(|wanted| now <= wanted) || wanted.is_none() && self.goal.seconds.is_none() {
+        let is_met = wanted.is_none_or(|wanted| now <= wanted && best.patches.len() as f64 >= self.fewest());
+        if is_met && (wanted.is_some() || self.goal.seconds.is_none()) {
             return Next::End(Ending::Reached);
         }
         let all_time = self.goal.seconds.map_or(f64::INFINITY, |seconds| FOR_STEPS * seconds);
         let time_left = all_time - self.began.elapsed().as_secs_f64();
         let last = self.steps[self.steps.len() - 1];
         let known = (best.patches.len() as f64, f64::from(best.factors.rays()));
-        let (basis, merged) = (best.factors.basis(), best.budget.merged);
-        let forecast = Forecast { from: last, power: self.power, basis, merged, known };
+        let insight = best.budget.insight;
+        let scatter = self.scatter.iter().sum::<f64>() / self.scatter.len() as f64;
+        let forecast = Forecast { from: last, power: self.power, insight, scatter, known };
         // Look how many patches the choice has before it is made.
         let (cheapest, choice, lacking) = loop {
             let (cheapest, choice, lacking) = self.choose(&forecast, wanted, time_left);
             let unknown = choice.or(cheapest).filter(|choice| !self.ladder[choice.rung].known);
             let Some(Choice { rung, .. }) = unknown else { break (cheapest, choice, lacking) };
             let rung = &mut self.ladder[rung];
-            rung.patches = best.patches.expected(self.tracer, rung.asked as usize) as f64;
+            rung.patches = self.cutter.expected(&best.patches, rung.asked as usize) as f64;
             rung.known = true;
         };
         // What is wanted may take more than there is: then as much of it as there is.
@@ -388,13 +419,24 @@ impl<'s> Search<'_, 's> {
         }
     }
 
-    /// All that can be chosen: every number of patches with every number of rays.
+    /// All that can be chosen: every number of patches that is believed, but no fewer than were tried last, with every number of rays.
     fn choices(&self) -> impl Iterator<Item = Choice> {
-        let rays = (0..).map(|k| RAYS[0] * (0.5 * f64::from(k)).exp2()).take_while(|&rays| rays <= RAYS[1]);
+        let rays = (0..).map(|k| RAYS[0] * (0.25 * f64::from(k)).exp2()).take_while(|&rays| rays <= RAYS[1]);
         let rays: Vec<f64> = rays.map(|rays| (rays / 8.0).round() * 8.0).collect();
-        self.ladder.iter().enumerate().flat_map(move |(rung, &Rung { patches, .. })| {
+        let last = self.steps.last().map_or(0.0, |step| step.patches as f64);
+        let fewest = self.fewest().max(0.98 * last);
+        let rungs = self.ladder.iter().enumerate().filter(move |(_, rung)| rung.patches >= fewest);
+        rungs.flat_map(move |(rung, &Rung { patches, .. })| {
             rays.clone().into_iter().map(move |rays| Choice { rung, setting: Setting { patches, rays } })
         })
+    }
+
+    /// The fewest patches of a cut that is believed.
+    fn fewest(&self) -> f64 {
+        let scene = self.tracer.scene();
+        let faces = (0..scene.faces().len()).filter(|&face| scene.is_diffuse(face)).count();
+        let first = self.steps.first().map_or(0.0, |step| step.patches as f64);
+        (CUT_ENOUGH * faces as f64).min(FINER * first)
     }
 
     fn was_tried(&self, setting: &Setting) -> bool {
@@ -409,9 +451,10 @@ impl<'s> Search<'_, 's> {
 struct Forecast {
     from: AccuracyStep,
     power: f64,
-    basis: Basis,
-    /// How many patches were merged into one to tell the mesh error of the best answer.
-    merged: f64,
+    /// How much is told of the mesh error of the best answer.
+    insight: Insight,
+    /// How many times more than expected noise may be by how batches differ.
+    scatter: f64,
     /// Patches and rays of the best answer.
     known: (f64, f64),
 }
@@ -420,12 +463,14 @@ impl Forecast {
     fn upper95(&self, s: &Setting) -> f64 {
         let patches = s.patches / self.from.patches as f64;
         let rays = patches * s.rays / f64::from(self.from.rays);
-        let mesh = self.from.mesh * patches.powf(-0.5 * self.power);
+        let mesh = self.from.mesh.hypot(HIDDEN * self.from.noise) * patches.powf(-0.5 * self.power);
         let noise = self.from.noise * rays.powf(-NOISE_POWER);
-        // The bound on noise also holds its own uncertainty, which is a part of it.
-        let at_most = NOISE_SPREAD * noise_at_most(s.rays as u32, self.basis);
-        let merged = if self.is_same_cut(s) { self.merged } else { self.merged.max(USUALLY_MERGED) };
-        (mesh_at_most(self.basis, merged) * mesh).hypot(at_most * noise)
+        let at_most = self.scatter * noise_at_most(s.rays as u32, self.insight.basis);
+        let mut insight = self.insight;
+        if !self.is_same_cut(s) {
+            insight.merged = insight.merged.max(USUALLY_MERGED);
+        }
+        (insight.at_most() * mesh).hypot(at_most * noise)
     }
 
     /// What it takes from the start.
@@ -448,7 +493,7 @@ impl Forecast {
     /// How many rays the best answer lacks, where that is all it lacks.
     fn more_rays(&self, s: &Setting) -> Option<f64> {
         let more = s.rays - self.known.1;
-        (self.is_same_cut(s) && more >= FEWEST_MORE && self.basis == Basis::Constant).then_some(more)
+        (self.is_same_cut(s) && more >= FEWEST_MORE && self.insight.basis == Basis::Constant).then_some(more)
     }
 }
 

@@ -258,19 +258,4 @@ mod tests {
         assert_eq!(mixed(&alike), 0);
         assert!(2 * alike.count < patches.len(), "{} of {}", alike.count, patches.len());
     }
-
-    #[test]
-    fn a_cut_has_about_as_many_patches_as_expected() {
-        let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/corridor.obj")).unwrap();
-        let tracer = Tracer::new(&scene);
-        let cut = |count: usize| {
-            let size = PatchSize::Count(count);
-            Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap()
-        };
-        let coarse = cut(300);
-        for count in [1000, 3000, 9000] {
-            let (expected, found) = (coarse.expected(&tracer, count) as f64, cut(count).len() as f64);
-            assert!((expected / found - 1.0).abs() < 0.1, "{expected} {found}");
-        }
-    }
 }

@@ -13,6 +13,7 @@ mod basis;
 mod carried;
 mod clusters;
 mod contacts;
+mod cutter;
 mod facet;
 mod groups;
 mod locator;
@@ -36,13 +37,13 @@ use crate::trace::{Frame, Tracer};
 pub use aggregate::FaceRow;
 pub use basis::Basis;
 pub use clusters::Clusters;
+pub use cutter::Cutter;
 pub(crate) use facet::Facet;
 pub use groups::{Group, GroupBy, Groups};
 pub use outlook::{Outlook, Stretch};
 use parts::{Parting, Parts};
 pub use sheets::Sheets;
 pub use sides::Reach;
-use size::edge_for;
 pub use subdivide::Barycentrics;
 use subdivide::{Cuts, Uncut};
 
@@ -154,50 +155,7 @@ impl<'s> Patches<'s> {
     /// # Errors
     /// `Size`, `TooMany` or `Cancelled`.
     pub fn new(tracer: &Tracer<'s>, options: &Tessellation) -> Result<Self, PatchError> {
-        options.progress.at("patch", 0.0)?;
-        match options.size {
-            PatchSize::Edge(metres) if metres.is_finite() && metres > 0.0 => {
-                let edge = metres / tracer.frame().scale();
-                let mut patches = Self::cut(tracer, edge, &mut Parting::new(tracer), options)?;
-                patches.reach(tracer, options, sides::LOOK)?;
-                Ok(patches)
-            }
-            PatchSize::Count(count) if count > 0 => Self::with_count(tracer, count, options),
-            size => Err(PatchError::Size(format!("{size:?}"))),
-        }
-    }
-
-    /// Cuts so that about `count` slots are reached: once coarsely, to see which sides are, then as fine as that says.
-    fn with_count(tracer: &Tracer<'s>, count: usize, options: &Tessellation) -> Result<Self, PatchError> {
-        const COARSE: usize = 1000;
-        /// A cut that has not the expected number of patches, because finer patches see more, is made once more.
-        const ATTEMPTS: usize = 2;
-        let mut parting = Parting::new(tracer);
-        let (mut edge, _) = edge_for(tracer, count.min(COARSE), &mut parting, |_| [1.0; 2]);
-        let mut patches = Self::cut(tracer, edge, &mut parting, options)?;
-        patches.reach(tracer, options, sides::GLANCE)?;
-        for _ in 0..ATTEMPTS {
-            if patches.is_empty() && options.reach == Reach::Light {
-                break;
-            }
-            let share = |f: usize| if patches.is_empty() { [1.0; 2] } else { patches.reached_share(f) };
-            let shares: Vec<_> = (0..tracer.scene().faces().len()).map(share).collect();
-            let expected;
-            (edge, expected) = edge_for(tracer, count, &mut parting, |face| shares[face]);
-            patches = Self::cut(tracer, edge, &mut parting, options)?;
-            patches.reach(tracer, options, sides::LOOK)?;
-            if (patches.len() as f64 / expected - 1.0).abs() < 0.1 {
-                break;
-            }
-        }
-        Ok(patches)
-    }
-
-    /// About how many patches a cut for `count` would have, if light reached what it reaches here: faces are cut in whole steps, and all of
-    /// a mesh at once where they are alike.
-    pub fn expected(&self, tracer: &Tracer, count: usize) -> usize {
-        let shares: Vec<_> = (0..self.scene.faces().len()).map(|f| self.reached_share(f)).collect();
-        edge_for(tracer, count, &mut Parting::new(tracer), |face| shares[face]).1.round() as usize
+        Cutter::new(tracer).cut(options)
     }
 
     /// Cuts every face for legs up to `edge` (normalised); no slot is a patch yet.

@@ -7,9 +7,10 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use super::PatchSize;
 use super::parts::{Part, Parting};
+use super::size::edge_for;
 use super::subdivide::cells_for;
-use super::{PatchSize, edge_for};
 use crate::scene::{Feature, Side};
 use crate::trace::Tracer;
 

@@ -42,8 +42,27 @@ impl Patches<'_> {
         rays: u32,
     ) -> Result<(), Cancelled> {
         let found = match options.reach {
-            Reach::Light => self.lit(tracer, options, rays)?,
+            Reach::Light => self.lit(tracer, options, rays, |_| true)?,
             Reach::Everything => self.seeing(tracer, options, rays)?,
+        };
+        self.activate(&found);
+        Ok(())
+    }
+
+    /// Makes those slots patches that light reaches among `likely` ones, and what else it happens to meet: a glance will do where so much is known.
+    pub(super) fn reach_likely(
+        &mut self,
+        tracer: &Tracer,
+        options: &Tessellation,
+        likely: &[u32],
+    ) -> Result<(), Cancelled> {
+        let found = match options.reach {
+            Reach::Light => {
+                let mut is_likely = vec![false; self.slots()];
+                likely.iter().for_each(|&slot| is_likely[slot as usize] = true);
+                self.lit(tracer, options, GLANCE, |slot| is_likely[slot as usize])?
+            }
+            Reach::Everything => self.widen(likely.to_vec()),
         };
         self.activate(&found);
         Ok(())
@@ -83,8 +102,14 @@ impl Patches<'_> {
         slots
     }
 
-    /// The slots that light from lamps reaches.
-    fn lit(&self, tracer: &Tracer, options: &Tessellation, rays: u32) -> Result<Vec<u32>, Cancelled> {
+    /// The slots that light from lamps reaches. Only those look for light themselves that `may_look`.
+    fn lit(
+        &self,
+        tracer: &Tracer,
+        options: &Tessellation,
+        rays: u32,
+        may_look: impl Fn(u32) -> bool,
+    ) -> Result<Vec<u32>, Cancelled> {
         let slots = self.slots();
         let lamps = Lamps::new(tracer);
         let mut seen_by: Vec<Option<Vec<u32>>> = vec![None; slots];
@@ -111,7 +136,7 @@ impl Patches<'_> {
                 wave = next;
             }
             // Let the dark ones look for light; each looks around once and remembers.
-            let dark: Vec<u32> = (0..slots as u32).filter(|&s| !reached[s as usize]).collect();
+            let dark: Vec<u32> = (0..slots as u32).filter(|&s| !reached[s as usize] && may_look(s)).collect();
             let unasked: Vec<u32> = dark.iter().copied().filter(|&s| seen_by[s as usize].is_none()).collect();
             options.progress.at("patch", 0.6)?;
             let looks = self.look(tracer, &unasked, rays, options.seed);
@@ -168,7 +193,7 @@ impl Patches<'_> {
     fn look_at_lamps(&self, tracer: &Tracer, lamps: &Lamps, slots: &[u32], seed: u64) -> Vec<Option<u32>> {
         let look_from = |&slot: &u32| {
             let facet = self.facet(tracer, slot);
-            let view = lamps.view_from(&[facet.centre()], facet.normal);
+            let view = lamps.view_from(&[(facet.centre(), 1.0)], facet.normal);
             let sequence = Sequence::new(seed, LAMP_STREAM + slot as u64, 0);
             (0..LAMP_LOOKS).find_map(|k| {
                 let [s, t, u, v] = sequence.point(k);

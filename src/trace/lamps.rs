@@ -142,20 +142,20 @@ impl Lamps {
         side == Side::Front && self.lamp_of_face[face] != NONE
     }
 
-    /// How lamps look from a flat surface with these sample points and this normal.
-    pub fn view_from(&self, points: &[DVec3], normal: DVec3) -> LampView {
+    /// How lamps look from a flat surface with this normal, on average over points with these parts of it.
+    pub fn view_from(&self, points: &[(DVec3, f64)], normal: DVec3) -> LampView {
         if self.faces.len() > MOST_PLACED {
             return LampView { chances: self.by_power.clone(), unoccluded: None };
         }
-        let centre = points.iter().sum::<DVec3>() / points.len() as f64;
+        let centre = points.iter().map(|&(point, part)| part * point).sum();
         if self.faces.len() > MOST_EXACT {
             let chances = accumulate(self.faces.iter().map(|lamp| lamp.estimate(centre, normal)));
             return LampView { chances, unoccluded: None };
         }
         let mut unoccluded = 0.0;
         let chances = accumulate(self.faces.iter().map(|lamp| {
-            let seen: f64 = points.iter().map(|&p| form_factor_to_triangle(p, normal, &lamp.corners)).sum();
-            let contribution = lamp.brightness * seen / points.len() as f64;
+            let from = |&(p, part): &(DVec3, f64)| part * form_factor_to_triangle(p, normal, &lamp.corners);
+            let contribution = lamp.brightness * points.iter().map(from).sum::<f64>();
             unoccluded += contribution;
             // Leave some chance to what other points of the surface may see.
             contribution + 0.05 * lamp.estimate(centre, normal)
@@ -316,7 +316,7 @@ mod tests {
         let tracer = Tracer::new(&scene);
         let lamps = Lamps::new(&tracer);
         for (p, normal) in [(DVec3::new(0.3, -0.9, 0.2), DVec3::Y), (DVec3::new(-0.9, 0.7, 0.1), DVec3::X)] {
-            let view = lamps.view_from(&[p], normal);
+            let view = lamps.view_from(&[(p, 1.0)], normal);
             let n = 1 << 14;
             let sampled: f64 = (0..n)
                 .map(|k| {

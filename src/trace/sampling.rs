@@ -65,6 +65,31 @@ pub fn uniform_triangle([u, v]: [f64; 2]) -> [f64; 2] {
     if u < v { [0.5 * u, v - 0.5 * u] } else { [u - 0.5 * v, 0.5 * v] }
 }
 
+/// A rule for means over a triangle: barycentric weights of its second and third corner, and the part that each point counts; exact for polynomials
+/// of degree two (Hammer, Marlowe & Stroud 1956).
+pub const TRIANGLE_RULE_3: [([f64; 2], f64); 3] = {
+    const PART: f64 = 1.0 / 3.0;
+    [([1.0 / 6.0, 1.0 / 6.0], PART), ([2.0 / 3.0, 1.0 / 6.0], PART), ([1.0 / 6.0, 2.0 / 3.0], PART)]
+};
+
+/// The same, exact for polynomials of degree five (Radon 1948).
+pub const TRIANGLE_RULE_7: [([f64; 2], f64); 7] = {
+    const ROOT_OF_15: f64 = 3.872_983_346_207_417;
+    const FAR: f64 = (6.0 - ROOT_OF_15) / 21.0;
+    const NEAR: f64 = (6.0 + ROOT_OF_15) / 21.0;
+    const OF_FAR: f64 = (155.0 - ROOT_OF_15) / 1200.0;
+    const OF_NEAR: f64 = (155.0 + ROOT_OF_15) / 1200.0;
+    [
+        ([1.0 / 3.0, 1.0 / 3.0], 9.0 / 40.0),
+        ([FAR, FAR], OF_FAR),
+        ([1.0 - 2.0 * FAR, FAR], OF_FAR),
+        ([FAR, 1.0 - 2.0 * FAR], OF_FAR),
+        ([NEAR, NEAR], OF_NEAR),
+        ([1.0 - 2.0 * NEAR, NEAR], OF_NEAR),
+        ([NEAR, 1.0 - 2.0 * NEAR], OF_NEAR),
+    ]
+};
+
 /// A direction within a spherical triangle, uniform, given by the unit vectors of its corners (Arvo 1995): its density is the inverse of the solid
 /// angle α + β + γ − π.
 #[inline]
@@ -190,6 +215,19 @@ mod tests {
         }
         for (m, exact) in moments.iter().zip([1.0 / 3.0, 1.0 / 3.0, 1.0 / 12.0]) {
             assert!((m - exact).abs() < 1e-4, "{moments:?}");
+        }
+    }
+
+    #[test]
+    fn rules_for_triangles_are_exact_to_their_degree() {
+        let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
+        for (rule, degree) in [(&TRIANGLE_RULE_3[..], 2), (&TRIANGLE_RULE_7, 5)] {
+            for (i, j) in (0..=degree).flat_map(|i| (0..=degree - i).map(move |j| (i, j))) {
+                let found: f64 = rule.iter().map(|&([u, v], part)| part * u.powi(i) * v.powi(j)).sum();
+                // ∫ uⁱ vʲ over the unit triangle, by its area ½.
+                let exact = 2.0 * factorial(i) * factorial(j) / factorial(i + j + 2);
+                assert!((found - exact).abs() < 1e-15, "{i} {j}: {found} {exact}");
+            }
         }
     }
 

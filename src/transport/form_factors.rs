@@ -292,6 +292,11 @@ impl FormFactors {
         self.rows.as_ref()
     }
 
+    /// Whether lamps were found to shine by way of carriers; only told where rays were kept.
+    pub(crate) fn has_caustics(&self) -> bool {
+        self.rows().is_some_and(|rows| !rows.caustics.parts().1.is_empty())
+    }
+
     /// The rays alone, if they were kept.
     pub(super) fn into_rows(self) -> Option<Rows> {
         self.rows

@@ -2,7 +2,7 @@
 //!
 //! M points x on the patch are paired with points y drawn on lamps with density p. A pair with geometry term g and emitted
 //! radiance Lₑ weighs w = Lₑ g/p, whether or not its points see each other; the mean weight estimates what Lambert's formula gives
-//! exactly, the unoccluded light U. So each pair on lamp patch j whose points do see each other is worth
+//! exactly, the unoccluded light U, averaged over the patch by a rule of few points. So each pair on lamp patch j whose points do see each other is worth
 //!
 //! (U / Σw) · g/p
 //!
@@ -20,14 +20,11 @@ use crate::trace::{Lamps, Tracer, geometry_term, sampling, sampling::Sequence};
 use super::landing::Spot;
 use super::recipe::{BATCHES, Recipe};
 
-/// Where streams of random sequences for pairs, and for points under Lambert's formula, start.
+/// Where streams of random sequences for pairs start.
 const PAIR_STREAM: u64 = 1 << 41;
-const POINT_STREAM: u64 = 1 << 42;
 
-/// Points under Lambert's formula: one for so many pairs, fewer where there are many lamps, but no less than these.
-const PAIRS_PER_POINT: usize = 8;
-const LAMPS_AT_FULL: usize = 32;
-const FEWEST_POINTS: usize = 4;
+/// With more lamps than this, Lambert's formula is averaged over three points of a patch, not seven.
+const LAMPS_AT_FULL: usize = 64;
 
 /// What a batch found of the form factor to a lamp patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,11 +77,11 @@ pub(super) fn look_at_lamps(
     hits: impl Iterator<Item = Seen>,
     Recipe { count, seed, basis }: Recipe,
 ) -> Look {
-    let share = (lamps.len() / LAMPS_AT_FULL).max(1);
-    let points = (count.lamp_rays as usize / PAIRS_PER_POINT / share).max(FEWEST_POINTS) as u32;
-    let (sequence, stretch) = Sequence::stretch(seed, POINT_STREAM, slot, 0, points);
-    let in_square = stretch.map(|k| sequence.point(k)).map(|[s, t, ..]| [s, t]);
-    let points: Vec<_> = in_square.map(|square| facet.point(square)).collect();
+    // Not by chance: what all batches share their spread would not tell.
+    let rule =
+        if lamps.len() > LAMPS_AT_FULL { &sampling::TRIANGLE_RULE_3[..] } else { &sampling::TRIANGLE_RULE_7 };
+    let [a, b, c] = facet.corners;
+    let points: Vec<_> = rule.iter().map(|&([u, v], part)| (a + (b - a) * u + (c - a) * v, part)).collect();
     let view = lamps.view_from(&points, facet.normal);
     // Draw the pairs, and see which are visible.
     let mut pairs = Vec::with_capacity(count.lamp_rays as usize);

@@ -1,5 +1,7 @@
 //! More rays: what was traced already, and as much again, as if all had been one.
 
+use rayon::prelude::*;
+
 use super::caustics::Caustics;
 use super::lamp_columns::{LampShare, Look};
 use super::rays::{Row, Rows};
@@ -44,8 +46,8 @@ impl Rows {
     /// These rows' rays and those of `other`, batch by batch. Rows that only one of them has are left out.
     fn joined(self, other: Self, count: RayCount) -> Self {
         let share = f64::from(self.recipe.count.rays) / f64::from(count.rays);
-        let rows =
-            self.all().iter().filter_map(|row| Some(joined(row, other.of(row.slot)?, share))).collect();
+        let both = self.all().par_iter().filter_map(|row| Some(joined(row, other.of(row.slot)?, share)));
+        let rows = both.collect();
         let caustics = self.caustics.joined(&other.caustics);
         let recipe = Recipe { count, ..self.recipe };
         Self::new((recipe, self.tones), self.lamp_faces, rows, caustics)
@@ -86,9 +88,14 @@ fn interleaved<T: Copy>(a: &[T], b: &[T]) -> Vec<T> {
     let batches = BATCHES as usize;
     let of = |all: &[T], batch: usize| {
         let size = all.len() / batches;
-        all[batch * size..(batch + 1) * size].to_vec()
+        batch * size..(batch + 1) * size
     };
-    (0..batches).flat_map(|batch| [of(a, batch), of(b, batch)]).flatten().collect()
+    let mut all = Vec::with_capacity(a.len() + b.len());
+    for batch in 0..batches {
+        all.extend_from_slice(&a[of(a, batch)]);
+        all.extend_from_slice(&b[of(b, batch)]);
+    }
+    all
 }
 
 impl Caustics {

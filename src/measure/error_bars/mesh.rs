@@ -1,6 +1,6 @@
 //! Mesh error: what the size of patches does to the answer, told from what larger ones would have done.
 //!
-//! Four patches at a time are merged, and the scene is solved with what the larger patches exchange: no new rays, and the noise of those that
+//! Some five patches at a time are merged, and the scene is solved with what the larger patches exchange: no new rays, and the noise of those that
 //! there are is in both answers. Where error falls in proportion to the edge, and errors on the two cuts are not alike in sign, as along the edges of
 //! shadows, the change is √5 times the error that is left; where they are alike, as around corners, no more than twice.
 
@@ -11,10 +11,11 @@ use crate::patches::{Basis, Clusters, Patches};
 use crate::solve::roughly;
 use crate::transport::{FormFactors, Reflection, Sources, Transport};
 
-/// How many patches are taken together for coarser elements. Linear elements are held against constant ones on the same patches.
+/// How many patches are taken together for coarser elements: with these a face of five by five becomes one of three by three. Linear elements are
+/// held against constant ones on the same patches.
 fn together(basis: Basis) -> f64 {
     match basis {
-        Basis::Constant => 4.0,
+        Basis::Constant => 5.0,
         Basis::Linear => 1.0,
     }
 }
@@ -29,34 +30,56 @@ fn remains(basis: Basis, merged: f64) -> f64 {
     }
 }
 
+/// Merged by so many or more, they tell what they can.
+const ENOUGH: f64 = 3.0;
+
 /// How much more errors on two cuts are alike in sign than chance would have it; measured.
 const ALIKE: f64 = 1.23;
 
-/// How many times more than estimated the mesh error may be, in nineteen of twenty cases, where so many patches were merged into one: where faces
-/// are cut but little, few can be, and little is told of the rest. Fitted to rooms that no test looks at.
-pub(in crate::measure) fn at_most(basis: Basis, merged: f64) -> f64 {
-    match basis {
-        Basis::Constant => 1.4 * (together(basis) / merged).max(1.0),
-        Basis::Linear => 1.6,
+/// How many times less is told of the rest where lamps shine through glass or off mirrors: they light spots smaller than patches, and most what they
+/// find again by the same way.
+const FOCUSED: f64 = 2.0;
+
+/// How much merging could tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::measure) struct Insight {
+    pub basis: Basis,
+    /// How many patches were merged into one.
+    pub merged: f64,
+    /// Whether lamps shine by way of carriers.
+    pub is_focused: bool,
+}
+
+impl Insight {
+    /// How many times more than estimated the mesh error may be, in nineteen of twenty cases. Where faces are cut but little, few patches can be
+    /// merged, and little is told of the rest. Fitted to rooms that no test looks at.
+    pub fn at_most(&self) -> f64 {
+        let usually = match self.basis {
+            Basis::Constant => 1.4 * (ENOUGH / self.merged).max(1.0),
+            Basis::Linear => 1.6,
+        };
+        if self.is_focused { FOCUSED * usually } else { usually }
     }
 }
 
 /// How exactly the change is solved for, as a part of it.
 const ROUGHLY: f64 = 0.01;
 
-/// How far irradiance per patch (n × c, W·m⁻²) may be off, with the sign in which coarser elements change it; and how many patches were merged into one
-/// to tell. `by_patch` are the form factors with constant elements, radiance and irradiance means over patches.
+/// How far irradiance per patch (n × c, W·m⁻²) may be off, with the sign in which coarser elements change it; and how much that tells. `by_patch` are
+/// the form factors with constant elements, radiance and irradiance means over patches.
 pub(super) fn mesh_error(
     patches: &Patches,
-    (basis, by_patch): (Basis, &FormFactors),
+    [factors, by_patch]: [&FormFactors; 2],
     sources: &Sources,
     [radiance, irradiance]: [&DMatrix<f64>; 2],
-) -> Result<(DMatrix<f64>, f64), MeasureError> {
+) -> Result<(DMatrix<f64>, Insight), MeasureError> {
+    let basis = factors.basis();
     let light: Vec<f64> = irradiance.row_iter().map(|row| row.sum()).collect();
     let clusters = patches.clusters(together(basis), Some(&light));
     let change = changed_by(patches, &clusters, by_patch, (basis, sources), [radiance, irradiance])?;
     let merged = patches.len() as f64 / clusters.count as f64;
-    Ok((patches.spread_over(&clusters, &(remains(basis, merged) * change)), merged))
+    let insight = Insight { basis, merged, is_focused: factors.has_caustics() };
+    Ok((patches.spread_over(&clusters, &(remains(basis, merged) * change)), insight))
 }
 
 /// How much more irradiance clusters have here than in the scene solved with constant light on clusters.

@@ -14,9 +14,9 @@ use serde::Serialize;
 use super::MeasureError;
 use crate::patches::{FaceRow, Patches};
 use crate::progress::Progress;
-use crate::solve::{Certainty, Report, Solution};
+use crate::solve::{Certainty, Solution};
 use crate::transport::{FormFactors, Sources};
-pub(super) use mesh::at_most as mesh_at_most;
+pub(super) use mesh::Insight;
 use noise::Noise;
 pub(super) use noise::at_most as noise_at_most;
 
@@ -54,9 +54,12 @@ pub struct ErrorBudget {
     pub irradiance: f64,
     /// What it is made from.
     pub parts: Vec<ErrorPart>,
-    /// How many patches were merged into one to tell the mesh error.
+    /// How much is told of the mesh error.
     #[serde(skip)]
-    pub(super) merged: f64,
+    pub(super) insight: Insight,
+    /// How many times more than expected the noise may be by how batches differ, in nineteen of twenty cases.
+    #[serde(skip)]
+    pub(super) scatter: f64,
 }
 
 /// One source of error.
@@ -64,7 +67,7 @@ pub struct ErrorBudget {
 pub struct ErrorPart {
     /// [`ErrorPart::MESH`], [`ErrorPart::RAYS`], [`ErrorPart::LAMPS`], `solver` or `storage`.
     pub name: &'static str,
-    /// How large it is, in the norm of the budget; guaranteed parts are bounds in that of [`Report::bound`].
+    /// How large it is, in the norm of the budget; guaranteed parts are bounds in that of [`Report::bound`](crate::solve::Report::bound).
     pub value: f64,
     /// Whether that is guaranteed.
     pub kind: Certainty,
@@ -106,19 +109,18 @@ impl ErrorBars {
         let by_patch = of_linear.as_ref().unwrap_or(factors);
         let noise = Noise::of(patches, factors, by_patch, sources, &radiance)?;
         progress.at("solve", 0.5)?;
-        let (change_by_patch, merged) =
-            mesh::mesh_error(patches, (basis, by_patch), sources, [&radiance, &irradiance])?;
+        let (change_by_patch, insight) =
+            mesh::mesh_error(patches, [factors, by_patch], sources, [&radiance, &irradiance])?;
         let faces = Faces::new(patches, &irradiance);
         let [rays, lamps] = [&noise.rays, &noise.lamps].map(|batches| faces.batches(batches));
-        let both: Vec<DMatrix<f64>> = noise.rays.iter().zip(&noise.lamps).map(|(a, b)| a + b).collect();
-        let all = faces.batches(&both);
         let change = faces.of(&change_by_patch);
         let part = |name, value, kind| ErrorPart { name, value, kind };
         let noisy = |batches: &[DMatrix<f64>]| faces.relative(|f, c| noise::variance(batches, (f, c)));
         let (by_rays, by_lamps) = (noisy(&rays), noisy(&lamps));
+        let by_noise = by_rays.hypot(by_lamps);
         // Some of the noise is in the change that merging makes.
         let change_by_merging = faces.relative(|f, c| change[(f, c)].powi(2));
-        let less = change_by_merging.powi(2) - (IN_CHANGE * by_rays.hypot(by_lamps)).powi(2);
+        let less = change_by_merging.powi(2) - (IN_CHANGE * by_noise).powi(2);
         let by_mesh = less.max(0.25 * change_by_merging.powi(2)).sqrt();
         let parts = vec![
             part(ErrorPart::MESH, by_mesh, Certainty::Estimated),
@@ -127,44 +129,43 @@ impl ErrorBars {
             part("solver", solution.report.bound, solution.report.certainty),
             part("storage", ROUNDING * solution.report.condition, solution.report.certainty),
         ];
-        let (relative_rms, upper95) = together(
-            (by_mesh, mesh_at_most(basis, merged)),
-            (&faces.squares(&all), noise_at_most(factors.rays(), basis)),
-            &solution.report,
-        );
+        // The two are independent, however alike they are in one batch or another.
+        let squares: Vec<f64> =
+            faces.squares(&rays).iter().zip(faces.squares(&lamps)).map(|(a, b)| a + b).collect();
+        let scatter = scatter(&squares);
+        let relative_rms = by_mesh.hypot(by_noise);
+        let noise_at_most = scatter * noise_at_most(factors.rays(), basis);
+        let sure = solution.report.bound + ROUNDING * solution.report.condition;
+        let upper95 = (insight.at_most() * by_mesh).hypot(noise_at_most * by_noise)
+            + if sure.is_finite() { sure } else { 0.0 };
         // A patch or face has its own noise, what of the mesh error is seen on it, and some of what all have.
         let bar = |h: f64, variance: f64, by_mesh_here: f64| {
             (variance + by_mesh_here.powi(2) + (COMMON * by_mesh * h).powi(2)).sqrt()
         };
         let by_face = faces.irradiance.iter().enumerate().map(|(f, row)| {
-            let of = |c: usize| bar(row.mean[c], noise::variance(&all, (f, c)), change[(f, c)]);
+            let variance = |c: usize| noise::variance(&rays, (f, c)) + noise::variance(&lamps, (f, c));
+            let of = |c: usize| bar(row.mean[c], variance(c), change[(f, c)]);
             FaceRow { mean: (0..row.mean.len()).map(of).collect(), ..row.clone() }
         });
         let by_patch = DMatrix::from_fn(irradiance.nrows(), irradiance.ncols(), |i, c| {
-            bar(irradiance[(i, c)], noise::variance(&both, (i, c)), change_by_patch[(i, c)])
+            let variance = noise::variance(&noise.rays, (i, c)) + noise::variance(&noise.lamps, (i, c));
+            bar(irradiance[(i, c)], variance, change_by_patch[(i, c)])
         });
-        let budget = ErrorBudget { relative_rms, upper95, irradiance: faces.typical(), parts, merged };
+        let budget =
+            ErrorBudget { relative_rms, upper95, irradiance: faces.typical(), parts, insight, scatter };
         progress.at("solve", 1.0)?;
         Ok(Self { patches: by_patch, faces: by_face.collect(), budget })
     }
 }
 
-/// The error to be expected, and what it does not exceed in 95 cases of 100, from mesh error and the squared noise of each batch, each with how many
-/// times more than it tells there may be.
-fn together(
-    (by_mesh, mesh_at_most): (f64, f64),
-    (noise, noise_at_most): (&[f64], f64),
-    report: &Report,
-) -> (f64, f64) {
-    let batches = noise.len() as f64;
-    let mean = noise.iter().sum::<f64>() / batches;
-    let spread = (noise.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (batches - 1.0)).sqrt();
+/// How many times more than its mean over batches the noise may be, in nineteen of twenty cases, told from the squared noise of each.
+fn scatter(squares: &[f64]) -> f64 {
+    let batches = squares.len() as f64;
+    let mean = squares.iter().sum::<f64>() / batches;
+    let spread = (squares.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (batches - 1.0)).sqrt();
     // What the answer's own noise may be is what one more batch may have, less by their number.
     let most = mean + STUDENT * spread * (1.0 + 1.0 / batches).sqrt();
-    let expected = (by_mesh.powi(2) + mean / batches).sqrt();
-    let upper = (mesh_at_most * by_mesh).hypot(noise_at_most * (most / batches).sqrt());
-    let sure = report.bound + ROUNDING * report.condition;
-    (expected, upper + if sure.is_finite() { sure } else { 0.0 })
+    if mean > 0.0 { (most / mean).sqrt() } else { 1.0 }
 }
 
 /// Irradiance by face, and sums over faces relative to it.

@@ -19,7 +19,7 @@ impl Views {
     pub fn seen_at(&mut self, lamps: &Lamps, key: (u32, Side), point: DVec3, normal: DVec3) -> &LampView {
         let known = self.0.iter().position(|&(face, side, _)| (face, side) == key);
         let k = known.unwrap_or_else(|| {
-            self.0.push((key.0, key.1, lamps.view_from(&[point], normal)));
+            self.0.push((key.0, key.1, lamps.view_from(&[(point, 1.0)], normal)));
             self.0.len() - 1
         });
         &self.0[k].2
