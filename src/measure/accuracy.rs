@@ -140,8 +140,9 @@ const NOISE_POWER: f64 = 0.55;
 /// How many patches can be merged into one on most cuts.
 const USUALLY_MERGED: f64 = 3.0;
 
-/// Mesh error falls as the edge to a power in this range.
-const MESH_POWERS: [f64; 2] = [0.6, 2.0];
+/// Mesh error falls as the edge to a power in this range; where two cuts tell of less than the least, the coarser one was blind.
+const MESH_POWERS: [f64; 2] = [1.0, 2.0];
+const LEAST_POWER: f64 = 0.5;
 
 /// What it is taken to be before two cuts have told.
 const MESH_POWER: f64 = 1.4;
@@ -316,7 +317,8 @@ impl<'s> Search<'_, 's> {
             self.steps.iter().rev().find(|s| step.patches as f64 > 1.5 * s.patches as f64 && s.mesh > 0.0);
         if let Some(s) = earlier {
             let power = 2.0 * (s.mesh / step.mesh).ln() / (step.patches as f64 / s.patches as f64).ln();
-            self.power = power.clamp(MESH_POWERS[0], MESH_POWERS[1]);
+            let is_blind = power < LEAST_POWER;
+            self.power = if is_blind { MESH_POWER } else { power.clamp(MESH_POWERS[0], MESH_POWERS[1]) };
         }
         self.steps.push(step);
         self.scatter.push(budget.scatter);
