@@ -15,7 +15,8 @@
 
 use crate::patches::{Basis, Facet, Patches};
 use crate::scene::Side;
-use crate::trace::{Lamps, Tracer, geometry_term, sampling, sampling::Sequence};
+use crate::trace::sampling::{self, RulePoint, Sequence};
+use crate::trace::{Lamps, Tracer, geometry_term};
 
 use super::landing::Spot;
 use super::recipe::{BATCHES, Recipe};
@@ -23,8 +24,21 @@ use super::recipe::{BATCHES, Recipe};
 /// Where streams of random sequences for pairs start.
 const PAIR_STREAM: u64 = 1 << 41;
 
-/// With more lamps than this, Lambert's formula is averaged over three points of a patch, not seven.
+/// Pairs for each point under Lambert's formula, at least where they are many.
+const PAIRS_PER_POINT: usize = 8;
+
+/// With more lamps than this, Lambert's formula is averaged over three points of a patch.
 const LAMPS_AT_FULL: usize = 64;
+
+/// Where on a patch Lambert's formula is taken. Not by chance: what all batches share their spread would not tell.
+pub(super) fn points_for(lamps: &Lamps, lamp_rays: u32) -> Vec<RulePoint> {
+    if lamps.len() > LAMPS_AT_FULL {
+        return sampling::TRIANGLE_RULE_3.to_vec();
+    }
+    let rule = sampling::TRIANGLE_RULE_7;
+    let rows = (lamp_rays as usize / (PAIRS_PER_POINT * rule.len())).isqrt();
+    sampling::composite_rule(&rule, rows.max(1))
+}
 
 /// What a batch found of the form factor to a lamp patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,21 +81,17 @@ struct Pair {
     arriving: f64,
 }
 
-/// The form factors from the facet of `slot` to lamps.
-/// `hits` are the rays that landed on lamps.
+/// The form factors from the facet of `slot` to lamps. `points` are [`points_for`] them; `hits` are the rays that landed on lamps.
 pub(super) fn look_at_lamps(
     tracer: &Tracer,
     patches: &Patches,
-    lamps: &Lamps,
+    (lamps, points): (&Lamps, &[RulePoint]),
     (slot, facet): (u32, Facet),
     hits: impl Iterator<Item = Seen>,
     Recipe { count, seed, basis }: Recipe,
 ) -> Look {
-    // Not by chance: what all batches share their spread would not tell.
-    let rule =
-        if lamps.len() > LAMPS_AT_FULL { &sampling::TRIANGLE_RULE_3[..] } else { &sampling::TRIANGLE_RULE_7 };
     let [a, b, c] = facet.corners;
-    let points: Vec<_> = rule.iter().map(|&([u, v], part)| (a + (b - a) * u + (c - a) * v, part)).collect();
+    let points: Vec<_> = points.iter().map(|&([u, v], part)| (a + (b - a) * u + (c - a) * v, part)).collect();
     let view = lamps.view_from(&points, facet.normal);
     // Draw the pairs, and see which are visible.
     let mut pairs = Vec::with_capacity(count.lamp_rays as usize);

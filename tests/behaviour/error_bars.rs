@@ -54,28 +54,34 @@ fn relative(faces: &[FaceRow], x: impl Fn(usize, usize) -> f64) -> f64 {
 #[test]
 fn the_noise_that_one_answer_tells_is_how_far_answers_with_other_rays_lie_apart() {
     const SEEDS: u64 = 16;
-    // 16 answers know how far they lie apart to some 15 %, most of all where what they have in common varies. Rays towards a sky lie more evenly
+    // 16 answers know how far they lie apart to some 15 %, most of all where what they have in common varies, and much better where many faces
+    // vary each by itself: there chance must have no part in anything that the batches of one answer share. Rays towards a sky lie more evenly
     // than their parts, and their noise is told too large.
-    for (name, basis, most) in [
-        ("cornell_box", Basis::Constant, 1.5),
-        ("cornell_box", Basis::Linear, 1.5),
-        ("daylit_room", Basis::Constant, 2.0),
+    for (path, basis, expected) in [
+        ("meshes/cornell_box", Basis::Constant, 0.65..1.5),
+        ("meshes/cornell_box", Basis::Linear, 0.65..1.5),
+        ("meshes/daylit_room", Basis::Constant, 0.65..2.0),
+        ("tests/data/mirror_room", Basis::Constant, 0.9..1.1),
     ] {
-        let scene = Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let scene = Scene::load(format!("{}/{path}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap();
         let tracer = Tracer::new(&scene);
         let answers: Vec<Answer> = (0..SEEDS).map(|seed| answer(&tracer, 600, 64, seed, basis)).collect();
         let faces = &answers[0].faces;
-        let mean =
-            |f: usize, c: usize| answers.iter().map(|a| a.faces[f].mean[c]).sum::<f64>() / SEEDS as f64;
+        // Some rays find sides that others do not.
+        let of = |a: &Answer, f: usize, c: usize| {
+            let row = a.faces.iter().find(|row| (row.face, row.side) == (faces[f].face, faces[f].side));
+            row.map_or(0.0, |row| row.mean[c])
+        };
         let apart = relative(faces, |f, c| {
-            let squares = answers.iter().map(|a| (a.faces[f].mean[c] - mean(f, c)).powi(2));
+            let mean = answers.iter().map(|a| of(a, f, c)).sum::<f64>() / SEEDS as f64;
+            let squares = answers.iter().map(|a| (of(a, f, c) - mean).powi(2));
             squares.sum::<f64>() / (SEEDS - 1) as f64
         });
         let told = |a: &Answer| {
             a.bars.budget.part(ErrorPart::RAYS).powi(2) + a.bars.budget.part(ErrorPart::LAMPS).powi(2)
         };
         let told = (answers.iter().map(told).sum::<f64>() / SEEDS as f64).sqrt();
-        assert!((0.65..most).contains(&(told / apart)), "{name} {basis:?}: told {told}, found {apart}");
+        assert!(expected.contains(&(told / apart)), "{path} {basis:?}: told {told}, found {apart}");
     }
 }
 
@@ -120,7 +126,7 @@ fn against_another_renderer_bounds_hold_and_bars_cover_what_they_should() {
             let Answer { faces, bars } = answer(&tracer, count, rays, 1, Basis::Constant);
             let rms = RelativeRms::of(&faces, &reference).value;
             let upper = bars.budget.upper95;
-            assert!((0.8 * rms..4.0 * rms).contains(&upper), "{name} {count} × {rays}: {rms}, bound {upper}");
+            assert!((0.5 * rms..4.0 * rms).contains(&upper), "{name} {count} × {rays}: {rms}, bound {upper}");
             exceeded += usize::from(rms > upper);
             let (mut covered, mut all) = (0, 0);
             for row in &reference {
