@@ -66,7 +66,7 @@ pub struct Solving {
 pub struct Target {
     /// The error asked for.
     pub accuracy: f64,
-    /// Number of the quickest matrix row that is known to be no worse.
+    /// Number of the quickest matrix row that is known to be no worse; of rows as quick for all that one can tell, one that is solved to the end.
     pub row: usize,
     /// Seconds that light paths would take for it.
     pub paths_seconds: Option<f64>,
@@ -88,6 +88,9 @@ pub enum Turn {
     Order,
 }
 
+/// Times that differ by less than this factor are alike.
+const AS_QUICK: f64 = 1.05;
+
 impl Conclusions {
     /// Looks at all rows.
     pub fn new(rows: &[StudyRow], reference: &StudyReference) -> Self {
@@ -101,7 +104,10 @@ impl Conclusions {
         let paths = Slope::fit(&paths);
         let target = |accuracy: f64| {
             let enough = |row: &StudyRow| matrix(row) && row.reading().most() <= accuracy;
-            let row = front(rows, enough).first().copied()?;
+            let quickest = front(rows, enough).first().copied()?;
+            let as_quick = |row: &StudyRow| row.seconds <= AS_QUICK * rows[quickest].seconds;
+            let to_the_end = |row: &StudyRow| row.solver == StudySolver::Cg && enough(row) && as_quick(row);
+            let row = rows.iter().position(to_the_end).unwrap_or(quickest);
             // Light paths err as 1/√time; the fitted slope is only there to be looked at.
             let price = price_of_paths(rows).map(|price| price / accuracy.powi(2));
             Some(Target { accuracy, row, paths_seconds: price, turn: turn(rows, row) })
@@ -296,7 +302,7 @@ mod tests {
         assert!(found.targets.len() >= 3);
         for target in &found.targets {
             assert!(all[target.row].reading().most() <= target.accuracy);
-            let quicker = all.iter().filter(|row| row.seconds < all[target.row].seconds);
+            let quicker = all.iter().filter(|row| AS_QUICK * row.seconds < all[target.row].seconds);
             assert!(quicker.filter(|row| row.error <= target.accuracy).count() == 0);
         }
         let best = found.best.unwrap();

@@ -75,7 +75,7 @@ impl Cell {
     /// between answers is part of what is measured.
     pub fn repeats(&self) -> usize {
         const RAYS_IN_ALL: usize = 1 << 21;
-        (RAYS_IN_ALL / (self.patches * self.rays as usize).max(1)).clamp(2, 8)
+        (RAYS_IN_ALL / (self.patches * self.rays as usize).max(1)).clamp(2, 24)
     }
 
     /// About what all its repeats take on two cores.
@@ -114,9 +114,9 @@ mod tests {
     #[test]
     fn what_is_quick_is_repeated_and_nothing_is_measured_once() {
         for cell in Grid::for_scene(12, Duration::from_secs(600)).cells() {
-            assert!((2..=8).contains(&cell.repeats()));
+            assert!((2..=24).contains(&cell.repeats()));
         }
-        assert_eq!(Cell { patches: 128, rays: 16 }.repeats(), 8);
+        assert_eq!(Cell { patches: 128, rays: 16 }.repeats(), 24);
         assert_eq!(Cell { patches: 1 << 20, rays: 16 }.repeats(), 2);
     }
 }
