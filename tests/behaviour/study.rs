@@ -65,7 +65,17 @@ fn errors_fall_with_patches_rays_and_orders_and_conclusions_repeat_with_another_
         }
         let paths: Vec<&StudyRow> = rows.iter().filter(|row| row.solver == StudySolver::Paths).collect();
         assert!(paths.windows(2).all(|pair| pair[1].error < 0.75 * pair[0].error), "{paths:?}");
-        found.push(Conclusions::new(rows, study.reference().unwrap()));
+        let conclusions = Conclusions::new(rows, study.reference().unwrap());
+        // What is named for a target is good enough for it, and nothing is that is quicker by more than times can be told apart.
+        for target in &conclusions.targets {
+            let good_enough = |row: &&StudyRow| row.reading().most() <= target.accuracy;
+            let named = &rows[target.row];
+            assert!(target.accuracy >= conclusions.resolution && good_enough(&named), "{target:?}");
+            let others = rows.iter().filter(|row| row.solver != StudySolver::Paths).filter(good_enough);
+            let quickest = others.map(|row| row.seconds).fold(f64::INFINITY, f64::min);
+            assert!(named.seconds <= 1.05 * quickest, "{target:?}: {quickest} {}", named.seconds);
+        }
+        found.push(conclusions);
     }
     let [first, second] = [&found[0], &found[1]];
     let slopes = [first, second].map(|c| c.patches.as_ref().unwrap().slope.unwrap());
@@ -75,9 +85,6 @@ fn errors_fall_with_patches_rays_and_orders_and_conclusions_repeat_with_another_
     let factors = [first, second].map(|c| c.order.as_ref().unwrap().factor.unwrap());
     assert!((factors[0] / factors[1] - 1.0).abs() < 0.05, "{factors:?}");
     assert!(first.rays.is_none() && second.rays.is_none(), "two values are no trend");
-    for (c, target) in [first, second].into_iter().flat_map(|c| c.targets.iter().map(move |t| (c, t))) {
-        assert!(target.accuracy >= c.resolution && c.front.contains(&target.row), "{target:?}");
-    }
 }
 
 #[test]
