@@ -188,16 +188,24 @@ impl Tracer<'_> {
         let mut all: Vec<u32> = covers.concat();
         all.sort_unstable();
         all.dedup();
-        let mut edges: Vec<([[u64; 3]; 2], [bool; 2], [DVec3; 2])> = Vec::with_capacity(3 * all.len());
+        let mut edges = Vec::with_capacity(3 * all.len());
         for cover in all {
             let sides = covers.map(|covers| covers.contains(&cover));
-            let corners = self.corners[cover as usize];
-            let ends = (0..3).map(|k| [corners[k], corners[(k + 1) % 3]]);
-            edges.extend(ends.map(|ends| (edge_key(ends), sides, ends)));
+            let turned = self.normals[cover as usize].dot(self.normals[face]) < 0.0;
+            let [a, b, c] = self.corners[cover as usize];
+            edges.extend([[a, b], [b, c], [c, a]].map(|ends| {
+                let (key, reversed) = edge_key(ends);
+                (key, sides, reversed != turned, ends)
+            }));
         }
-        edges.sort_unstable_by_key(|edge| (edge.0, edge.1));
-        let same = |a: &(_, [bool; 2], _), b: &(_, [bool; 2], _)| (a.0, a.1) == (b.0, b.1);
-        edges.chunk_by(same).filter(|edge| edge.len() != 2).map(|edge| edge[0].2).collect()
+        edges.sort_unstable_by_key(|&(key, sides, reversed, _)| (key, sides, reversed));
+        // Between neighbours an edge is there twice, once in either direction.
+        let mut outlines = Vec::with_capacity(edges.len());
+        for same in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let is_between = matches!(same, [(.., first, _), (.., second, _)] if first != second);
+            outlines.extend(same.first().filter(|_| !is_between).map(|edge| edge.3));
+        }
+        outlines
     }
 
     /// Whether another face covers a face's side at a point of it (normalised frame).
@@ -393,19 +401,23 @@ struct Surfaces {
 
 impl Surfaces {
     fn new(corners: &[[DVec3; 3]], normals: &[DVec3], kept: &[u32]) -> Self {
-        // Join faces that share an edge and point the same way.
-        let mut edges: Vec<([[u64; 3]; 2], u32)> = Vec::with_capacity(3 * kept.len());
+        // Join faces that point the same way and go on from one another at an edge, which neighbours run along in opposite directions.
+        let mut edges: Vec<([[u64; 3]; 2], bool, u32)> = Vec::with_capacity(3 * kept.len());
         for &face in kept {
             let [a, b, c] = corners[face as usize];
-            edges.extend([[a, b], [b, c], [c, a]].map(|ends| (edge_key(ends), face)));
+            edges.extend([[a, b], [b, c], [c, a]].map(|ends| {
+                let (key, reversed) = edge_key(ends);
+                (key, reversed, face)
+            }));
         }
         edges.par_sort_unstable();
         let mut parent: Vec<u32> = (0..corners.len() as u32).collect();
         for beside in edges.chunk_by(|a, b| a.0 == b.0) {
-            for (k, &(_, face)) in beside.iter().enumerate() {
+            let (forwards, backwards) = beside.split_at(beside.partition_point(|edge| !edge.1));
+            for &(.., face) in forwards {
                 let normal = normals[face as usize];
                 let alike = |other: u32| normal.dot(normals[other as usize]) > 1.0 - SAME_PLANE;
-                for &(_, other) in beside[k + 1..].iter().filter(|(_, other)| alike(*other)) {
+                for &(.., other) in backwards.iter().filter(|edge| alike(edge.2)) {
                     let roots = [root(&mut parent, face), root(&mut parent, other)];
                     parent[roots[0].max(roots[1]) as usize] = roots[0].min(roots[1]);
                 }
@@ -462,12 +474,11 @@ impl Surfaces {
     }
 }
 
-/// The same for an edge and its reverse, and for no other.
-fn edge_key(ends: [DVec3; 2]) -> [[u64; 3]; 2] {
+/// A key that an edge has in common with its reverse and no other, and whether it runs the other way than the key.
+fn edge_key(ends: [DVec3; 2]) -> ([[u64; 3]; 2], bool) {
     // Adding zero makes -0.0 and 0.0 the same corner.
-    let mut keys = ends.map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));
-    keys.sort_unstable();
-    keys
+    let [a, b] = ends.map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));
+    if a <= b { ([a, b], false) } else { ([b, a], true) }
 }
 
 /// The face that stands for all that a face is joined to.

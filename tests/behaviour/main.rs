@@ -2,6 +2,7 @@
 
 mod carried_light; // lights without area and skies by way of mirrors, metals and glass
 mod carriers; // mirrors and glass: closed forms, another renderer, bad input, pictures, saved form factors
+mod coincident; // faces in one plane: one order, the same answer as a hair apart
 mod coloured_carriers; // mirrors, metals and glass by channel: light paths, energy, saved form factors, receivers
 mod commands; // what the program writes, prints and answers
 mod comparison; // the verdict on right solvers and on wrong ones

@@ -40,6 +40,7 @@ pub fn operator_health(
         worst(&|exchange| closure(exchange, patches)),
         worst(&reciprocity),
         worst(&|exchange| row_sums(exchange, patches)),
+        Some(agreement(factors)),
     ]
     .into_iter()
     .flatten()
@@ -96,6 +97,18 @@ fn row_sums(exchange: &Exchange, patches: &Patches) -> Finding {
     }
     let remedy = "these faces give out more than they get: trace more rays (--rays)";
     finding.but(Verdict::Bad, worst_faces(patches, sum, 1.0 + ROUNDING), remedy)
+}
+
+/// How many pairs of face sides found different exchange areas to and fro.
+fn agreement(factors: &FormFactors) -> Finding {
+    let found = factors.disagreements();
+    let finding = Finding::good("directions", found.len() as f64, Some("pairs of faces that disagree"));
+    let Some(worst) = found.first() else { return finding };
+    let remedy = format!(
+        "rays from these faces to others and back find different amounts of light, by up to {:.0} standard errors: faces meet there in a          way that rounding decides; look for faces that almost coincide",
+        worst.z
+    );
+    finding.but(Verdict::Fair, found.iter().flat_map(|pair| pair.sides.map(|(face, _)| face)), remedy)
 }
 
 /// ‖K‖∞, the largest share of what arrives anywhere that goes on to where it is not lost.
