@@ -57,20 +57,25 @@ pub fn operator_health(
 
 /// The most that a row, with what escapes, is off from its patch's area, relative to that.
 fn closure(exchange: &Exchange, patches: &Patches) -> Finding {
-    let value = exchange.closure_error();
-    let finding = Finding::good("closure", value, Some("of light gained or lost"));
-    if value < ROUNDING {
-        return finding;
-    }
     let sums = sums(exchange);
     let off = |i: usize| {
         let error = (sums[i] + exchange.leaving()[i] - exchange.areas()[i]).abs();
         error / exchange.areas()[i]
     };
+    let value = (0..exchange.len()).map(off).fold(0.0, f64::max);
+    let finding = Finding::good("closure", value, Some("of light gained or lost"));
+    if value < ROUNDING {
+        return finding;
+    }
     let off = |patch: usize| coefficients(exchange, patch).map(off).fold(0.0, f64::max);
     let verdict = if value < TOLERABLE { Verdict::Fair } else { Verdict::Bad };
-    let remedy =
-        "too few rays to share out all light between these faces and what they see: trace more (--rays)";
+    let remedy = match exchange.closure_error() < ROUNDING {
+        true => {
+            "these faces send more than the faces they see send back, and more rays will not help: they lie in one plane with \
+             others, are doubled, or line a closed pocket; delete what is double, or move it off the plane"
+        }
+        false => "the form factors are damaged: trace them anew",
+    };
     finding.but(verdict, worst_faces(patches, off, ROUNDING), remedy)
 }
 
