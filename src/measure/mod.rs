@@ -11,6 +11,7 @@ mod health;
 mod path_tracer;
 mod study;
 mod undershoot;
+mod verdict;
 
 use crate::patches::PatchError;
 use crate::progress::Cancelled;
@@ -18,18 +19,19 @@ use crate::solve::SolveError;
 use crate::transport::TransportError;
 pub use accuracy::{AccuracyStep, Accurate, Ending, Goal, Resource, Setting, Tolerated, reach};
 pub use comparison::{
-    Agreement, Comparison, Difference, MeshError, OrderOptions, OrderRow, Reason, ReferenceError,
+    Agreement, AgreementTest, Comparison, Difference, MeshError, OrderOptions, OrderRow, ReferenceError,
     ReferenceRow, RelativeRms, Worst,
 };
 pub use energy::Energy;
 pub use error_bars::{ErrorBars, ErrorBudget, ErrorPart};
-pub use health::{Finding, Verdict, mesh_health, operator_health};
+pub use health::{Finding, Grade, mesh_health, operator_health};
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
 pub use study::{
     Cell, Conclusions, FaceError, Grid, LeftOut, OrderTrend, Reading, ReferenceSide, Slope, Solving, Study,
     StudyOptions, StudyReference, StudyRow, StudySolver, Target, Trend, Turn, Want,
 };
 pub use undershoot::Undershoot;
+pub use verdict::{Answer, Cause, Level, Reason, Verdict};
 
 /// Why something could not be measured.
 #[derive(Debug, thiserror::Error)]
