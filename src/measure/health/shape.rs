@@ -1,8 +1,8 @@
 //! Shape: faces that are no triangles, twice there, or all but flat; and how large the whole is.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 
-use super::{Finding, Verdict};
+use super::{Finding, Grade};
 use crate::scene::{FaceState, Scene};
 use crate::trace::Tracer;
 
@@ -21,7 +21,7 @@ pub(super) fn size(tracer: &Tracer) -> Finding {
         return finding;
     }
     finding.but(
-        Verdict::Note,
+        Grade::Note,
         [],
         "unusual for a place to be lit: if the file is not in metres, set `unit` (metres per unit of the file) in the .toml beside \
          it; radiance and irradiance stay the same, powers grow with its square",
@@ -46,13 +46,13 @@ pub(super) fn zero_area(scene: &Scene) -> Finding {
     }
     let found = with_state(scene, FaceState::ZeroArea);
     finding.but(
-        Verdict::Note,
+        Grade::Note,
         found,
         "they are left out, which changes no light; delete them to be rid of this",
     )
 }
 
-/// How many faces were dropped because an earlier one has the same corners; bad if light is lost with them.
+/// How many faces were dropped because an earlier one has the same corners in the same winding; bad if light is lost with them.
 pub(super) fn duplicates(scene: &Scene) -> Finding {
     let dropped: Vec<usize> = with_state(scene, FaceState::Duplicate).collect();
     let finding = Finding::good("duplicate faces", dropped.len() as f64, Some("faces"));
@@ -63,40 +63,23 @@ pub(super) fn duplicates(scene: &Scene) -> Finding {
     if dark.is_empty() {
         let remedy = "the first of each is used and the others are left out; delete them, or move them if they are meant to be \
                       the two sides of something thick";
-        return finding.but(Verdict::Note, dropped, remedy);
+        return finding.but(Grade::Note, dropped, remedy);
     }
-    let remedy = "some of them emit, but the face that is used in their place does not, or faces the other way, so that their \
-                  light is lost; delete the faces under the lamps, or move the lamps off them";
-    finding.but(Verdict::Bad, dark, remedy)
+    let remedy = "some of them emit, but the face that is used in their place does not, so that their light is \
+                  lost; delete the faces under the lamps, or move the lamps off them";
+    finding.but(Grade::Bad, dark, remedy)
 }
 
-/// Dropped faces that emit where the face that acts in their place does not, or turns its front elsewhere.
+/// Dropped faces that emit where the face that acts in their place does not.
 fn lost_lamps(scene: &Scene, dropped: &[usize]) -> Vec<usize> {
-    let key = |face: usize| {
-        let mut corners = scene.corners(face).map(|p| p.to_array().map(|x| (x + 0.0).to_bits()));
-        corners.sort_unstable();
-        corners
-    };
-    let lost = dropped.iter().copied().filter(|&face| scene.material_of(face).emits());
-    let mut lost: HashMap<_, Vec<usize>> = lost.fold(HashMap::new(), |mut all, face| {
-        all.entry(key(face)).or_insert_with(Vec::new).push(face);
-        all
-    });
-    if lost.is_empty() {
-        return Vec::new();
+    let emits = |face: &usize| scene.material_of(*face).emits();
+    let mut lost: Vec<usize> = dropped.iter().copied().filter(emits).collect();
+    if !lost.is_empty() {
+        let shining: HashSet<_> =
+            kept(scene).filter(emits).map(|face| scene.oriented_corners(face)).collect();
+        lost.retain(|&face| !shining.contains(&scene.oriented_corners(face)));
     }
-    let normal = |face: usize| {
-        let [a, b, c] = scene.corners(face);
-        (b - a).cross(c - a)
-    };
-    for acting in kept(scene).filter(|&face| scene.material_of(face).emits()) {
-        if let Some(faces) = lost.get_mut(&key(acting)) {
-            faces.retain(|&face| normal(face).dot(normal(acting)) < 0.0);
-        }
-    }
-    let mut dark: Vec<usize> = lost.into_values().flatten().collect();
-    dark.sort_unstable();
-    dark
+    lost
 }
 
 /// The greatest aspect, longest edge over height, of any face.
@@ -118,13 +101,13 @@ pub(super) fn slivers(tracer: &Tracer) -> Finding {
     let faces = all[..slivers].iter().map(|x| x.1);
     match worst > NEEDLE {
         true => finding.but(
-            Verdict::Bad,
+            Grade::Bad,
             faces,
             "the thinnest are lines to the arithmetic and their normals are rounding: collapse their shortest edges, or \
              remesh there",
         ),
         false => finding.but(
-            Verdict::Note,
+            Grade::Note,
             faces,
             "safe, but patches on them are long and thin and resolve shadows badly; remesh there if that is where you look",
         ),
