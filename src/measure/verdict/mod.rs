@@ -140,7 +140,9 @@ impl Cause {
             Self::NoRays => {
                 "remove slivers and doubled faces there (`radiosity check`), or trace more --rays"
             }
-            Self::Overlap => "remove one of the two faces, or move it out of the other's plane",
+            Self::Overlap => {
+                "the smaller coplanar surface is on top, of equal ones the first; lift one off the other if another order is meant"
+            }
             Self::Directions => "separate faces there that touch or overlap (`radiosity check`)",
         }
     }
