@@ -13,10 +13,8 @@ use super::{Mass, Sources, TraceOptions};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::scene::Scene;
-use crate::trace::{Lamps, Tracer, geometry_term, sampling};
-
-/// The stream of random sequences, apart from all others.
-const STREAM: u64 = 1 << 60;
+use crate::trace::sampling::{self, Stream};
+use crate::trace::{Lamps, Tracer, geometry_term};
 
 /// Patches between two reports of progress.
 const CHUNK: usize = 4096;
@@ -99,7 +97,7 @@ impl Look<'_> {
         let facet = self.patches.facet(self.tracer, slot);
         let view = self.lamps.view_from(&[(facet.centre(), 1.0)], facet.normal);
         let worth = self.patches.areas()[patch] / f64::from(self.pairs);
-        let (sequence, stretch) = sampling::Sequence::stretch(self.seed, STREAM, slot, 0, self.pairs);
+        let (sequence, stretch) = Stream::DirectLight.stretch(self.seed, slot, 0, self.pairs);
         let first = stretch.start;
         for k in stretch {
             let part = (k - first) as usize * PARTS / self.pairs as usize;

@@ -12,11 +12,8 @@ use super::carried_light::{CarriedLight, Measured};
 use super::{Mass, Shots, Transport};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
-use crate::trace::{Lights, Ray, SkyBeam, Tracer, sampling};
-
-/// The streams of random sequences towards lights, one per light, and into the sky; apart from all others.
-const STREAM: u64 = 1 << 53;
-const SKY_STREAM: u64 = 1 << 54;
+use crate::trace::sampling::{self, Stream};
+use crate::trace::{Lights, Ray, SkyBeam, Tracer};
 
 /// Patches between two reports of progress.
 const CHUNK: usize = 4096;
@@ -208,8 +205,7 @@ impl Look<'_> {
             }
             // Weigh each ray by what it would bring if nothing stood in its way.
             let rays = self.rays.div_ceil(4);
-            let stream = STREAM + ((light as u64) << 32);
-            let (sequence, points) = sampling::Sequence::stretch(self.seed, stream, slot, 0, rays);
+            let (sequence, points) = Stream::Lights.stretch(self.seed, slot, light as u64, rays);
             let mut seen = vec![Parts::<N>::default(); self.channels];
             let first = points.start;
             for k in points {
@@ -245,7 +241,7 @@ impl Look<'_> {
             add(&seen, scale, self.lights.power(light));
         }
         if let Some(sky) = self.lights.sky() {
-            let (sequence, points) = sampling::Sequence::stretch(self.seed, SKY_STREAM, slot, 0, self.rays);
+            let (sequence, points) = Stream::Sky.stretch(self.seed, slot, 0, self.rays);
             let even = Parts::<N> { whole: [1.0; PARTS], ..Default::default() };
             let mut seen = vec![even; self.channels];
             let first = points.start;
