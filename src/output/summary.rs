@@ -139,6 +139,8 @@ pub struct EnergySummary {
     pub lost: [f64; 3],
     /// (emitted − the rest) / emitted, the largest over channels.
     pub imbalance: f64,
+    /// One standard error of the imbalance; 0 where no term is estimated apart from the others.
+    pub imbalance_error: f64,
 }
 
 impl From<&Energy> for EnergySummary {
@@ -150,6 +152,7 @@ impl From<&Energy> for EnergySummary {
             carriers: to_rgb(&energy.carriers),
             lost: to_rgb(&energy.lost),
             imbalance: energy.imbalance,
+            imbalance_error: energy.imbalance_error,
         }
     }
 }

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::sources::PARTS;
-use super::{Mass, Sources, TraceOptions};
+use super::{LampFlux, Mass, Sources, TraceOptions};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::scene::Scene;
@@ -22,6 +22,7 @@ const CHUNK: usize = 4096;
 impl Sources {
     /// The same with what lamps send straight to patches among what lights bring: [`Sources::direct`] is then all light that has not been
     /// reflected. As many pairs of points a patch as the options have shadow rays; what comes by way of mirrors and glass is left out.
+    /// Where the rest of the lamps' light goes, as many rays from lamps tell as there are pairs, at most 2¹⁹.
     ///
     /// # Errors
     /// `Cancelled`.
@@ -62,6 +63,12 @@ impl Sources {
                 field
             })
             .collect();
+        let sums = Mass::new(basis, patches.etendues()).sums().clone();
+        let arrived: Vec<Vec<f64>> =
+            parts.iter().map(|part| part.column_iter().map(|h| sums.dot(&h)).collect()).collect();
+        let rays = u64::from(look.pairs) * patches.len() as u64;
+        let emitted = basis.means(&self.emitted);
+        self.lamps = Some(LampFlux::trace(tracer, patches, &emitted, &arrived, (rays, options.seed)));
         let whole = parts.iter().fold(DMatrix::zeros(self.emitted.nrows(), channels), |sum, part| sum + part);
         parts.iter_mut().for_each(|part| *part = &*part * PARTS as f64 - &whole);
         self.direct = Some(self.direct.map_or_else(|| whole.clone(), |direct| direct + &whole));

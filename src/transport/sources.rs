@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::carried_light::{CarriedLight, Measured};
-use super::{Mass, Shots, Transport};
+use super::{LampFlux, Mass, Shots, Transport};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::trace::sampling::{self, Stream};
@@ -51,6 +51,9 @@ pub struct Sources {
     pub spread: Vec<DMatrix<f64>>,
     /// What of H₀ comes by way of mirrors, metals and glass; none where a scene has none of these, or no such lights.
     pub carried: Option<CarriedLight>,
+    /// Where the light of lamps goes, if what arrives of it is a part of H₀; none where lamps are left to
+    /// form factors.
+    pub lamps: Option<LampFlux>,
 }
 
 impl Sources {
@@ -88,7 +91,8 @@ impl Sources {
             mass.solve(&mut field, 1.0);
             field
         });
-        let mut sources = Self { direct: fields.next(), spread: fields.collect(), carried: None, emitted };
+        let mut sources =
+            Self { direct: fields.next(), spread: fields.collect(), carried: None, lamps: None, emitted };
         if let Some(Measured { light, more }) =
             CarriedLight::trace(tracer, patches, basis, &look.lights, options)?
         {
@@ -110,12 +114,14 @@ impl Sources {
         }
     }
 
-    /// The flux that starts, per channel, in W·m⁻² times the unit of area of `mass`: π Σ A Lₑ + Σ A H₀, and what carriers kept of the latter on its
-    /// way.
+    /// The flux that starts, per channel, in W·m⁻² times the unit of area of `mass`: π Σ A Lₑ, Σ A H₀ by
+    /// lights without area, and what carriers kept of the latter on its way.
     pub fn flux(&self, mass: &Mass) -> Vec<f64> {
         let kept =
             |c: usize| self.carried.as_ref().map_or(0.0, |carried| carried.absorbed[c] + carried.lost[c]);
-        let direct = |c: usize| self.direct.as_ref().map_or(0.0, |h| mass.sums().dot(&h.column(c)) + kept(c));
+        let by_lamps = |c: usize| self.lamps.as_ref().map_or(0.0, |lamps| lamps.arrived[c]);
+        let arrived = |c: usize| self.direct.as_ref().map_or(0.0, |h| mass.sums().dot(&h.column(c)));
+        let direct = |c: usize| arrived(c) - by_lamps(c) + kept(c);
         let of = |c: usize| PI * mass.sums().dot(&self.emitted.column(c)) + direct(c);
         (0..self.emitted.ncols()).map(of).collect()
     }
@@ -124,7 +130,7 @@ impl Sources {
 impl From<DMatrix<f64>> for Sources {
     /// Emitted radiance (N × c) alone.
     fn from(emitted: DMatrix<f64>) -> Self {
-        Self { emitted, direct: None, spread: Vec::new(), carried: None }
+        Self { emitted, direct: None, spread: Vec::new(), carried: None, lamps: None }
     }
 }
 

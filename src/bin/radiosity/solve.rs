@@ -159,12 +159,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     args.picture.write(&picture, &mut outputs)?;
 
     let area_unit = tracer.frame().scale().powi(2);
-    let energy = match &sources.direct {
-        Some(arrived) if direct_only => {
-            let lights = Sources::trace(&tracer, &patches, basis, &light)?;
-            Energy::of_direct_light(&k, &lights, arrived, area_unit)
-        }
-        _ => Energy::of(&k, &sources, &solution.radiance, area_unit),
+    let energy = match &sources.lamps {
+        Some(lamps) => Energy::of_direct_light(&k, (&sources, lamps), area_unit),
+        None => Energy::of(&k, &sources, &solution.radiance, area_unit),
     };
     let summary = Summary {
         scene: scene.name().to_owned(),
@@ -231,12 +228,17 @@ fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
             series.order, series.residual, bounds[0], series.bound, series.difference, solver.name
         ),
         format!(
-            "energy        emitted {} W, absorbed {} W, escaped {} W{}; imbalance {:.0e}\n",
+            "energy        emitted {} W, absorbed {} W, escaped {} W{}; imbalance {:.0e}{}\n",
             triple(energy.emitted),
             triple(energy.absorbed),
             triple(energy.escaped),
             in_carriers(energy),
-            energy.imbalance
+            energy.imbalance,
+            if energy.imbalance_error > 0.0 {
+                format!(" ± {:.0e}", energy.imbalance_error)
+            } else {
+                String::new()
+            }
         ),
         format!("  order  flux it adds (W)            residual  {}", bounds[0]),
     ];
