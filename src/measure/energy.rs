@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use crate::transport::{Sources, Transport};
+use crate::transport::{LampFlux, Sources, Transport};
 
 /// Radiant flux Φ by where it comes from and goes to, per channel, W; every term computed on its own.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -24,6 +24,10 @@ pub struct Energy {
     pub slack: Vec<f64>,
     /// (emitted − the rest) / emitted, the largest absolute value over channels.
     pub imbalance: f64,
+    /// One standard error of the imbalance where terms are estimated apart from each other, as for direct
+    /// light alone; 0 where all follow from one operator and one radiance: then only rounding and the
+    /// solver's residual are left.
+    pub imbalance_error: f64,
 }
 
 impl Energy {
@@ -35,30 +39,56 @@ impl Energy {
         Self::of(k, &e.clone().into(), l, unit)
     }
 
-    /// Accounts for direct light alone: irradiance `direct` (N × c) by the lamps of `sources` and its lights without area, on surfaces of
-    /// the reflectances of `k`. What they reflect or let through is cut short and counts as lost; what lamps send out that reaches nothing has escaped,
-    /// and is told by what is left of the rest.
+    /// Accounts for direct light alone: the irradiance H₀ of `sources` on surfaces of the reflectances of
+    /// `k`, and where the rest of the lamps' light goes ([`Sources::with_lamps`]). What surfaces reflect or
+    /// let through, and what carriers pass on to them, is cut short and counts as lost.
+    ///
+    /// What arrives and what does not are estimated apart, by rays from either end. So the imbalance is Monte
+    /// Carlo noise, of standard error `imbalance_error`; much more than that means that something is wrong.
+    /// Of lights without area only what arrives is known, which adds nothing to the imbalance.
     ///
     /// # Panics
     /// If the shapes differ.
-    pub fn of_direct_light(k: &Transport, sources: &Sources, direct: &DMatrix<f64>, unit: f64) -> Self {
-        let mass = k.mass();
-        let of = |values: &DMatrix<f64>| -> Vec<f64> {
-            values.column_iter().map(|column| unit * mass.sums().dot(&column)).collect()
-        };
-        let reflected = of(&direct.component_mul(&k.passed_on()));
-        let arrived = of(direct);
-        let [carriers, given_up] = kept(sources, k.channels(), unit);
-        let emitted: Vec<f64> = sources.flux(mass).into_iter().map(|flux| unit * flux).collect();
+    pub fn of_direct_light(k: &Transport, (sources, lamps): (&Sources, &LampFlux), unit: f64) -> Self {
         let of_channels = |of: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..k.channels()).map(of).collect() };
-        Self {
-            absorbed: of_channels(&|c| arrived[c] - reflected[c]),
-            escaped: of_channels(&|c| emitted[c] - arrived[c] - carriers[c] - given_up[c]),
-            lost: of_channels(&|c| reflected[c] + given_up[c]),
-            carriers,
+        let (area, passed_on) = (k.mass().sums(), k.passed_on());
+        let arrived = |i: usize, c: usize| sources.direct.as_ref().map_or(0.0, |h| area[i] * h[(i, c)]);
+        let weigh = |part: &dyn Fn(f64) -> f64| {
+            of_channels(&|c| {
+                unit * (0..k.len()).map(|i| part(passed_on[(i, c)]) * arrived(i, c)).sum::<f64>()
+            })
+        };
+        let [absorbed, reflected] = [weigh(&|passed_on| 1.0 - passed_on), weigh(&|passed_on| passed_on)];
+        let [carriers, given_up] = kept(sources, k.channels(), unit);
+        let mut energy = Self {
+            emitted: sources.flux(k.mass()).into_iter().map(|flux| unit * flux).collect(),
+            absorbed,
+            escaped: of_channels(&|c| unit * lamps.escaped[c]),
+            carriers: of_channels(&|c| carriers[c] + unit * lamps.absorbed[c]),
+            lost: of_channels(&|c| reflected[c] + given_up[c] + unit * lamps.lost[c]),
             slack: vec![0.0; k.channels()],
             imbalance: 0.0,
-            emitted,
+            imbalance_error: 0.0,
+        };
+        for c in (0..k.channels()).filter(|&c| energy.emitted[c] > 0.0) {
+            let off = energy.imbalance_of(c);
+            if off >= energy.imbalance {
+                energy.imbalance = off;
+                energy.imbalance_error = unit * lamps.standard_error[c] / energy.emitted[c];
+            }
+        }
+        energy
+    }
+
+    /// |emitted − the rest| / emitted in a channel; 0 where nothing is emitted.
+    fn imbalance_of(&self, c: usize) -> f64 {
+        match self.emitted[c] {
+            0.0 => 0.0,
+            emitted => {
+                let rest =
+                    self.absorbed[c] + self.escaped[c] + self.carriers[c] + self.lost[c] + self.slack[c];
+                ((emitted - rest) / emitted).abs()
+            }
         }
     }
 
@@ -67,6 +97,9 @@ impl Energy {
     /// # Panics
     /// If the sources or `l` are not N × c.
     pub fn of(k: &Transport, sources: &Sources, l: &DMatrix<f64>, unit: f64) -> Self {
+        if let Some(lamps) = &sources.lamps {
+            return Self::of_direct_light(k, (sources, lamps), unit);
+        }
         let channels = k.channels();
         let mut irradiance = k.irradiance(l);
         if let Some(direct) = &sources.direct {
@@ -86,15 +119,10 @@ impl Energy {
             sum.iter_mut().zip(kept).for_each(|(sum, kept)| *sum += kept);
         }
         let slack = weigh(&|i, c| PI * k.exchange_of(c).slack()[i] * l[(i, c)]);
-        let off = |c: usize| match emitted[c] {
-            0.0 => 0.0,
-            emitted => {
-                let found = absorbed[c] + escaped[c] + carriers[c] + lost[c] + slack[c];
-                ((emitted - found) / emitted).abs()
-            }
-        };
-        let imbalance = (0..channels).map(off).fold(0.0, f64::max);
-        Self { emitted, absorbed, escaped, carriers, lost, slack, imbalance }
+        let mut energy =
+            Self { emitted, absorbed, escaped, carriers, lost, slack, imbalance: 0.0, imbalance_error: 0.0 };
+        energy.imbalance = (0..channels).map(|c| energy.imbalance_of(c)).fold(0.0, f64::max);
+        energy
     }
 }
 

@@ -148,6 +148,8 @@ pub struct EnergySummary {
     pub slack: [f64; 3],
     /// (emitted − the rest) / emitted, the largest over channels.
     pub imbalance: f64,
+    /// One standard error of the imbalance; 0 where no term is estimated apart from the others.
+    pub imbalance_error: f64,
 }
 
 impl From<&Energy> for EnergySummary {
@@ -160,6 +162,7 @@ impl From<&Energy> for EnergySummary {
             lost: to_rgb(&energy.lost),
             slack: to_rgb(&energy.slack),
             imbalance: energy.imbalance,
+            imbalance_error: energy.imbalance_error,
         }
     }
 }

@@ -5,13 +5,10 @@ use rayon::prelude::*;
 
 use super::Patches;
 use crate::scene::Side;
-use crate::trace::sampling::{Sequence, uniform_triangle};
+use crate::trace::sampling::{Stream, uniform_triangle};
 
 /// Points of a patch at which the field of another cut is read.
 const POINTS: u32 = 64;
-
-/// The stream of random sequences for those points.
-const STREAM: u64 = 1 << 44;
 
 /// The average of a field over one side of a face.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,7 +57,7 @@ impl Patches<'_> {
         means.par_chunks_mut(channels.max(1)).enumerate().for_each(|(i, mean)| {
             let place = self.place(i);
             let [a, b, c] = self.corners(i);
-            let (sequence, points) = Sequence::stretch(0, STREAM, self.slot_of_patch(i), 0, POINTS);
+            let (sequence, points) = Stream::Resampling.stretch(0, self.slot_of_patch(i), 0, POINTS);
             for k in points {
                 let [x, y, ..] = sequence.point(k);
                 let [s, t] = uniform_triangle([x, y]);

@@ -4,11 +4,7 @@ use rayon::prelude::*;
 
 use super::Patches;
 use super::sides::LOOK;
-use crate::trace::{Destination, Lights, Targets, Tint, Tracer, sampling::SEQUENCE_END, sampling::Sequence};
-
-/// The streams of random sequences for rays into the sky, and for shots from lights; apart from all others.
-const STREAM: u64 = 1 << 41;
-const SHOT_STREAM: u64 = 1 << 42;
+use crate::trace::{Destination, Lights, Targets, Tint, Tracer, sampling::SEQUENCE_END, sampling::Stream};
 
 /// Shots from each light for every slot, and the fewest.
 const SHOTS: u64 = 16;
@@ -26,7 +22,7 @@ impl Patches<'_> {
                 if tracer.is_carrier(facet.face) {
                     return;
                 }
-                let sequence = Sequence::new(seed, STREAM + slot as u64, 0);
+                let sequence = Stream::SkyLooks.sequence(seed, slot as u32, 0);
                 *lit = facet.rays(sequence, 0..LOOK).zip(0..).any(|(ray, point)| {
                     let numbers = |k: u32| sequence.dimensions(point, k + 1);
                     match tracer.destination(&ray, numbers, passes) {
@@ -42,7 +38,7 @@ impl Patches<'_> {
             let landing = |shot: u64| {
                 let (block, point) =
                     (shot / u64::from(SEQUENCE_END), (shot % u64::from(SEQUENCE_END)) as u32);
-                let sequence = Sequence::new(seed, SHOT_STREAM + light as u64, block);
+                let sequence = Stream::ReachingShots.sequence(seed, light as u32, block);
                 let shot = targets.shot(tracer, lights, light, sequence.point(point))?;
                 let numbers = |k: u32| sequence.dimensions(point, k + 1);
                 match tracer.follow(&shot.ray, shot.hit, numbers, passes, |_, _, _| {}) {

@@ -140,6 +140,9 @@ const NONE: u32 = u32::MAX;
 /// What a slot takes while sides are looked for: its patch, and what it sees.
 const BYTES_PER_SLOT: u64 = 40;
 
+/// The most slots of a cut: one bit of a 32-bit slot number is left for other purposes.
+pub(crate) const MOST_SLOTS: u64 = 1 << 31;
+
 /// The place of a slot: face, side and cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slot {
@@ -174,7 +177,7 @@ impl<'s> Patches<'s> {
         let parts = parting.at(edge);
         let cells = (0..faces).filter(|&f| kept(f)).map(|f| parts.cells(f, tracer.corners(f), edge));
         let slots = 2 * cells.sum::<u64>();
-        let most = (options.memory / BYTES_PER_SLOT).min(1 << 31);
+        let most = (options.memory / BYTES_PER_SLOT).min(MOST_SLOTS);
         if slots > most {
             return Err(PatchError::TooMany { slots, most });
         }

@@ -261,7 +261,7 @@ fn triangulate(corners: &[DVec2; 3], lines: &[[DVec2; 2]]) -> Option<Vec<[DVec2;
 mod tests {
     use super::*;
     use crate::patches::subdivide::{Cuts, Uncut};
-    use crate::trace::sampling::{Sequence, uniform_triangle};
+    use crate::trace::sampling::{Stream, uniform_triangle};
 
     /// A face of each kind: well-shaped, needle, cap.
     fn faces() -> [[DVec2; 3]; 3] {
@@ -276,7 +276,7 @@ mod tests {
     /// Random points of a triangle.
     fn points(triangle: [DVec2; 3], seed: u64, count: u32) -> impl Iterator<Item = DVec2> {
         (0..count).map(move |k| {
-            let [x, y, ..] = Sequence::new(seed, 7, 0).point(k);
+            let [x, y, ..] = Stream::Callers.sequence(seed, 7, 0).point(k);
             on(triangle, uniform_triangle([x, y]))
         })
     }

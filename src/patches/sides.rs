@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{Patches, Slot, Tessellation};
 use crate::progress::Cancelled;
 use crate::scene::{Feature, Side};
-use crate::trace::{Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term, sampling::Sequence};
+use crate::trace::{Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term, sampling::Stream};
 
 /// Which sides become patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,11 +27,6 @@ pub(super) const GLANCE: u32 = 4;
 
 /// Looks straight at lamps, which are small and easily missed.
 const LAMP_LOOKS: u32 = 32;
-
-/// The streams of random sequences for looking around and at lamps; apart from all others.
-const STREAM: u64 = 1 << 40;
-const LAMP_STREAM: u64 = 1 << 43;
-const LIGHT_STREAM: u64 = 1 << 46;
 
 impl Patches<'_> {
     /// Finds the reached slots and makes them patches.
@@ -170,7 +165,7 @@ impl Patches<'_> {
     /// The slots on which a few rays from each of `slots` land, each once.
     fn look(&self, tracer: &Tracer, slots: &[u32], rays: u32, seed: u64) -> Vec<Vec<u32>> {
         let look_from = |&slot: &u32| {
-            let sequence = Sequence::new(seed, STREAM + slot as u64, 0);
+            let sequence = Stream::Looks.sequence(seed, slot, 0);
             let rays = self.facet(tracer, slot).rays(sequence, 0..rays);
             let landing = |(ray, point): (Ray, u32)| {
                 // By way of carriers too, and whatever their colour.
@@ -196,7 +191,7 @@ impl Patches<'_> {
         let look_from = |&slot: &u32| {
             let facet = self.facet(tracer, slot);
             let view = lamps.view_from(&facet.corners, facet.normal, &[(facet.centre(), 1.0)]);
-            let sequence = Sequence::new(seed, LAMP_STREAM + slot as u64, 0);
+            let sequence = Stream::LampLooks.sequence(seed, slot, 0);
             (0..LAMP_LOOKS).find_map(|k| {
                 let [s, t, u, v] = sequence.point(k);
                 let from = facet.point([s, t]);
@@ -218,7 +213,7 @@ impl Patches<'_> {
             if tracer.is_carrier(facet.face) || self.is_covered(slot) {
                 return false;
             }
-            let sequence = Sequence::new(seed, LIGHT_STREAM + u64::from(slot), 0);
+            let sequence = Stream::LightLooks.sequence(seed, slot, 0);
             (0..LAMP_LOOKS).any(|k| {
                 let [s, t, u, v] = sequence.point(k);
                 let (mut arrived, mut scratch) = (vec![0.0; channels], vec![0.0; channels]);

@@ -302,7 +302,7 @@ impl Cuts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::sampling::{Sequence, uniform_triangle};
+    use crate::trace::sampling::{Stream, uniform_triangle};
 
     fn on(corners: &[DVec3; 3], [u, v]: Barycentrics) -> DVec3 {
         corners[0] + (corners[1] - corners[0]) * u + (corners[2] - corners[0]) * v
@@ -337,7 +337,7 @@ mod tests {
                 for cell in 0..cuts.cells(0) {
                     let [a, b, c] = cuts.corners(0, cell).map(DVec2::from);
                     for k in 0..8 {
-                        let [x, y, ..] = Sequence::new(1, cell as u64, 0).point(k);
+                        let [x, y, ..] = Stream::Callers.sequence(1, cell, 0).point(k);
                         let [u, v] = uniform_triangle([x, y]);
                         let point = a + (b - a) * u + (c - a) * v;
                         assert_eq!(cuts.cell_at(0, point.to_array()), cell, "{corners:?} {edge}");

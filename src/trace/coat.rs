@@ -118,7 +118,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use crate::trace::sampling::{Sequence, cosine_hemisphere};
+    use crate::trace::sampling::{Stream, cosine_hemisphere};
 
     const COATS: [(f64, f64); 6] = [(0.0, 1.5), (0.0, 2.5), (0.2, 1.5), (0.5, 1.5), (1.0, 1.33), (1.0, 2.0)];
     const COSINES: [f64; 7] = [0.003, 0.02, 0.1, 0.3, 0.6, 0.9, 1.0];
@@ -152,7 +152,7 @@ mod tests {
                 let n = 1 << 14;
                 let (mut by_facets, mut by_base) = (0.0, 0.0);
                 for k in 0..n {
-                    let [u, v, s, t] = Sequence::new(5, 0, 0).point(k);
+                    let [u, v, s, t] = Stream::Callers.sequence(5, 0, 0).point(k);
                     by_facets += coat.reflect(o, [u, v]).1 / f64::from(n);
                     // f₂ μᵢ by its integral over directions of density μ/π.
                     let i = cosine_hemisphere([s, t]);
@@ -174,7 +174,7 @@ mod tests {
                 let n = 1 << 14;
                 let (mut drawn, mut integral) = (0.0, 0.0);
                 for k in 0..n {
-                    let [u, v, s, t] = Sequence::new(9, 0, 0).point(k);
+                    let [u, v, s, t] = Stream::Callers.sequence(9, 0, 0).point(k);
                     drawn += f(coat.leaving([u, v])) / f64::from(n);
                     let d = cosine_hemisphere([s, t]);
                     integral += f(d) * coat.leaving_pdf(d.z) / (d.z * FRAC_1_PI) / f64::from(n);
@@ -189,7 +189,7 @@ mod tests {
                 let n = 1 << 15;
                 let (mut drawn, mut integral) = (0.0, 0.0);
                 for k in 0..n {
-                    let [u, v, s, t] = Sequence::new(9, 1, 0).point(k);
+                    let [u, v, s, t] = Stream::Callers.sequence(9, 1, 0).point(k);
                     let (i, part) = coat.reflect(o, [u, v]);
                     drawn += part * f(i) / f64::from(n);
                     let i = cosine_hemisphere([s, t]);
@@ -204,7 +204,7 @@ mod tests {
     fn the_lobe_is_reciprocal() {
         let coat = Coat::new(0.7, 1.5, 1);
         for k in 0..1000 {
-            let [s, t, u, v] = Sequence::new(8, 0, 0).point(k);
+            let [s, t, u, v] = Stream::Callers.sequence(8, 0, 0).point(k);
             let [o, i] = [[s, t], [u, v]].map(cosine_hemisphere);
             let (there, back) = (coat.lobe(o, i) / i.z, coat.lobe(i, o) / o.z);
             assert!((there - back).abs() <= 1e-9 * there, "{o} {i}: {there} {back}");

@@ -99,7 +99,7 @@ fn chance(cumulative: &[f64], k: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::scene::Pixels;
-    use crate::trace::sampling::Sequence;
+    use crate::trace::sampling::Stream;
 
     /// Pictures with a smooth side, a dark side and one very bright texel.
     fn environment() -> Environment {
@@ -137,7 +137,7 @@ mod tests {
         let n = 1 << 15;
         for f in tests {
             let drawn = |k: u32| {
-                let [u, v, ..] = Sequence::new(4, 9, 0).point(k);
+                let [u, v, ..] = Stream::Callers.sequence(4, 9, 0).point(k);
                 f(sampler.sample(&environment, [u, v])) / f64::from(n)
             };
             let mean: f64 = (0..n).map(drawn).sum();

@@ -220,7 +220,7 @@ fn node(k: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::sampling::{Sequence, cosine_hemisphere};
+    use crate::trace::sampling::{Stream, cosine_hemisphere};
 
     const ROUGHNESS: [f64; 5] = [0.05, 0.2, 0.5, 0.8, 1.0];
     const COSINES: [f64; 6] = [0.02, 0.1, 0.3, 0.6, 0.9, 1.0];
@@ -279,7 +279,7 @@ mod tests {
                 let n = 1 << 14;
                 let mut means = [[0.0; 4]; 2];
                 for k in 0..n {
-                    let sequence = Sequence::new(5, 0, 0);
+                    let sequence = Stream::Callers.sequence(5, 0, 0);
                     let [chance, u, v, _] = sequence.point(k);
                     let (i, _) = gloss.sample(o, [chance, u, v], || sequence.dimensions(k, 1));
                     let h = visible_facet(gloss.alpha, o, [u, v]);
@@ -303,7 +303,7 @@ mod tests {
         for roughness in ROUGHNESS {
             let gloss = Gloss::new(roughness, &[0.9, 0.3]);
             for k in 0..1000 {
-                let [s, t, u, v] = Sequence::new(8, 0, 0).point(k);
+                let [s, t, u, v] = Stream::Callers.sequence(8, 0, 0).point(k);
                 let [o, i] = [[s, t], [u, v]].map(cosine_hemisphere);
                 let value = |o: DVec3, i: DVec3, c: usize| -> f64 {
                     gloss.parts(o, i).iter().map(|(density, tint)| density * tint.part(c)).sum::<f64>() / i.z

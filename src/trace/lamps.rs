@@ -318,7 +318,7 @@ fn accumulate(weights: impl Iterator<Item = f64>) -> Arc<[f64]> {
 mod tests {
     use super::*;
     use crate::scene::Scene;
-    use crate::trace::sampling::Sequence;
+    use crate::trace::sampling::Stream;
 
     #[test]
     fn points_are_drawn_with_their_density() {
@@ -330,7 +330,7 @@ mod tests {
             let n = 1 << 14;
             let sampled: f64 = (0..n)
                 .map(|k| {
-                    let [u, v, ..] = Sequence::new(5, 0, 0).point(k);
+                    let [u, v, ..] = Stream::Callers.sequence(5, 0, 0).point(k);
                     let drawn = lamps.sample(&view, [u, v]).unwrap();
                     assert_eq!(lamps.pdf(&view, drawn.face as usize), drawn.pdf);
                     let g = geometry_term((p, normal), (drawn.point, drawn.normal));
@@ -346,7 +346,7 @@ mod tests {
     fn lamberts_formula_is_the_integral_of_the_geometry_term() {
         let n = 1 << 14;
         for place in 0..40 {
-            let random = |k: u32| Sequence::new(8, place, 0).point(k).map(|x| 2.0 * x - 1.0);
+            let random = |k: u32| Stream::Callers.sequence(8, place, 0).point(k).map(|x| 2.0 * x - 1.0);
             let corners = [0, 1, 2].map(|k| DVec3::from_slice(&random(k)) + 1.2 * DVec3::Z);
             let [a, b, c] = corners;
             let area = 0.5 * (b - a).cross(c - a).length();
@@ -355,7 +355,7 @@ mod tests {
             let facing = (b - a).cross(c - a).normalize();
             let integral: f64 = (0..n)
                 .map(|k| {
-                    let [u, v, ..] = Sequence::new(6, place, 0).point(k);
+                    let [u, v, ..] = Stream::Callers.sequence(6, place, 0).point(k);
                     let [s, t] = uniform_triangle([u, v]);
                     let q = a + (b - a) * s + (c - a) * t;
                     geometry_term((DVec3::ZERO, normal), (q, facing)) * area / n as f64

@@ -210,7 +210,7 @@ mod tests {
 
     use super::*;
     use crate::scene::{Material, Scene, SceneParts};
-    use crate::trace::sampling::{Sequence, uniform_triangle};
+    use crate::trace::sampling::{Stream, uniform_triangle};
 
     fn scene(lights: Vec<Light>) -> Scene {
         let corners = [[-2.0, 0.0, -2.0], [0.0, 0.0, 2.0], [2.0, 0.0, -2.0]];
@@ -236,7 +236,7 @@ mod tests {
     fn sampled(lights: &Lights, light: usize, corners: &[DVec3; 3], normal: DVec3) -> f64 {
         let n = 1 << 15;
         let one = |k: u32| {
-            let [s, t, u, v] = Sequence::new(2, light as u64, 0).point(k);
+            let [s, t, u, v] = Stream::Callers.sequence(2, light as u32, 0).point(k);
             let [s, t] = uniform_triangle([s, t]);
             let [a, b, c] = *corners;
             let beam = lights.beam(light, a + (b - a) * s + (c - a) * t, [u, v]);

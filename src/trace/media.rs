@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::sampling::{Sequence, cosine_hemisphere, frame_around};
+use super::sampling::{Stream, cosine_hemisphere, frame_around};
 use super::{Ray, Tracer};
 use crate::scene::{Scene, Side, Surface};
 
@@ -102,7 +102,7 @@ impl Tracer<'_> {
     /// The medium on which two of three looks agree, for one may graze an edge.
     fn looked_around(&self, point: DVec3, face: u32, normal: DVec3) -> f64 {
         let frame = frame_around(normal);
-        let sequence = Sequence::new(0, 0, 0);
+        let sequence = Stream::Media.sequence(0, 0, 0);
         let look = |k: u32| {
             let [u, v, ..] = sequence.point(k);
             self.medium_along(Ray { origin: point, direction: frame * cosine_hemisphere([u, v]), from: face })

@@ -350,7 +350,7 @@ mod tests {
 
     use super::*;
     use crate::scene::{Face, FaceState, Material, Scene, SceneParts};
-    use crate::trace::sampling::{Sequence, cosine_hemisphere};
+    use crate::trace::sampling::{Stream, cosine_hemisphere};
 
     /// A triangle in the plane z = 0 that fronts towards +z.
     fn sheet(material: Material) -> Scene {
@@ -413,7 +413,7 @@ mod tests {
         let scene = sheet(Material::dielectric("glass", 1.5, &[1.0]));
         let tracer = Tracer::new(&scene);
         for k in 0..100 {
-            let [u, v, ..] = Sequence::new(2, 0, 0).point(k);
+            let [u, v, ..] = Stream::Callers.sequence(2, 0, 0).point(k);
             let d = -cosine_hemisphere([u, v]);
             let (ray, hit) = towards(&tracer, d);
             let (reflected, refracted) = tracer.ways_on(&ray, &hit);

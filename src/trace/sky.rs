@@ -164,7 +164,7 @@ fn in_cell(cell: usize, [u, v]: [f64; 2]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::sampling::Sequence;
+    use crate::trace::sampling::Stream;
 
     fn skies() -> [SkySampler; 3] {
         let sun = DVec3::new(0.5, 0.4, 0.1).normalize();
@@ -179,7 +179,7 @@ mod tests {
             let n = 1 << 15;
             let mut drawn = [0.0; 4];
             for k in 0..n {
-                let [u, v, ..] = Sequence::new(4, 1, 0).point(k);
+                let [u, v, ..] = Stream::Callers.sequence(4, 1, 0).point(k);
                 let SkyBeam { direction: d, weight, .. } = sky.sample(normal, [u, v]);
                 let tests = [1.0, d.x, d.y * d.y, d.z];
                 drawn.iter_mut().zip(tests).for_each(|(sum, f)| *sum += f * weight / f64::from(n));

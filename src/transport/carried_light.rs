@@ -17,13 +17,8 @@ use super::sources::PARTS;
 use super::{LightOptions, Mass, Shots};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
-use crate::trace::sampling::{SEQUENCE_END, Sequence, uniform_triangle};
+use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream, uniform_triangle};
 use crate::trace::{Destination, Hit, Lights, Ray, SkySampler, Targets, Tint, Tracer};
-
-/// The streams of random sequences for shots, one per light, from the sky and into it; apart from all others.
-const STREAM: u64 = 1 << 57;
-const FROM_SKY: u64 = STREAM + (1 << 32);
-const SKY_STREAM: u64 = STREAM + (1 << 33);
 
 /// Patches between two reports of progress.
 const CHUNK: usize = 4096;
@@ -181,7 +176,7 @@ impl Search<'_> {
         let of_part = row.len() / PARTS;
         for (part, row) in row.chunks_exact_mut(of_part).enumerate() {
             let (sequence, points) =
-                Sequence::stretch(self.options.seed, SKY_STREAM, slot, part as u64, per_part);
+                Stream::CarriedSky.stretch(self.options.seed, slot, part as u64, per_part);
             for (ray, point) in facet.rays(sequence, points.clone()).zip(points) {
                 // Follow what meets a carrier to where it leaves the scene.
                 let Some(hit) = self.tracer.closest_hit(&ray) else { continue };
@@ -220,7 +215,7 @@ impl Search<'_> {
             flux.iter_mut().zip(&power).for_each(|(flux, power)| *flux = power * shot.worth / count);
             Some((shot.ray, shot.hit, 0.0))
         };
-        self.shoot_all(STREAM + light as u64, one)
+        self.shoot_all((Stream::LightShots, light as u32), one)
     }
 
     /// Shoots from the sky.
@@ -234,14 +229,14 @@ impl Search<'_> {
             flux.iter_mut().zip(radiance).for_each(|(flux, radiance)| *flux = radiance);
             Some((shot.ray, shot.hit, shot.density * count))
         };
-        self.shoot_all(FROM_SKY, one)
+        self.shoot_all((Stream::SkyShots, 0), one)
     }
 
     /// Shoots all parts of the shots of a light: `one(self, random, flux)` gives a ray, the carrier that it meets and its flux per channel; or in the
     /// place of this radiance, and the density of such shots.
     fn shoot_all(
         &mut self,
-        stream: u64,
+        (stream, offset): (Stream, u32),
         one: impl Fn(&Self, [f64; 4], &mut [f64]) -> Option<(Ray, Hit, f64)> + Sync,
     ) -> Result<(), Cancelled> {
         let (each, channels) = (self.per_patch(), self.channels);
@@ -251,7 +246,8 @@ impl Search<'_> {
             for block in 0..self.shots.div_ceil(u64::from(SEQUENCE_END)) {
                 let begin = block * u64::from(SEQUENCE_END);
                 let points = (self.shots - begin).min(u64::from(SEQUENCE_END)) as u32;
-                let sequence = Sequence::new(self.options.seed, stream, block * PARTS as u64 + part as u64);
+                let index = block * PARTS as u64 + part as u64;
+                let sequence = stream.sequence(self.options.seed, offset, index);
                 let task = |k: u32| self.task(sequence, k * TASK..points.min((k + 1) * TASK), &one);
                 let found: Vec<Found> = (0..points.div_ceil(TASK)).into_par_iter().map(task).collect();
                 // Sum up in a fixed order.

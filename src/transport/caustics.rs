@@ -16,10 +16,8 @@ use super::recipe::{BATCHES, Recipe};
 use super::tones::{Survivors, Tones};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
-use crate::trace::{Tracer, sampling, sampling::Sequence};
-
-/// Where streams of random sequences for rays from lamps start.
-const STREAM: u64 = 1 << 45;
+use crate::trace::Tracer;
+use crate::trace::sampling::{self, Stream};
 
 /// One ray from lamps for so many from patches.
 const RAYS_PER_SHOT: u64 = 4;
@@ -70,7 +68,7 @@ impl Caustics {
             let mut found = Vec::new();
             for batch in 0..BATCHES as u16 {
                 let (sequence, points) =
-                    Sequence::stretch(recipe.seed, STREAM, lamp, u64::from(batch), per_batch);
+                    Stream::LampShots.stretch(recipe.seed, lamp, u64::from(batch), per_batch);
                 for (ray, point) in facet.rays(sequence, points.clone()).zip(points) {
                     let (end, survivors, hit) = end_of(tracer, patches, &ray, (sequence, point), tones);
                     let receiver = end.slot().filter(|&slot| end.is_carried() && !is_lamp(slot));

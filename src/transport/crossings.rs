@@ -11,11 +11,8 @@ use rayon::prelude::*;
 use super::{LightOptions, Shots};
 use crate::progress::Cancelled;
 use crate::scene::Receiver;
-use crate::trace::sampling::{SEQUENCE_END, Sequence};
+use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream};
 use crate::trace::{Destination, Lights, Ray, Targets, Tint, Tracer};
-
-/// The streams of random sequences, one a light; apart from all others.
-const STREAM: u64 = 1 << 59;
 
 /// Shots that one task takes.
 const TASK: u32 = 1024;
@@ -129,7 +126,7 @@ pub(super) fn add_crossings(
     for light in 0..lights.len() {
         for index in 0..sequences {
             options.progress.at("receive", 1.0)?;
-            let sequence = Sequence::new(options.seed, STREAM + light as u64, index);
+            let sequence = Stream::Crossings.sequence(options.seed, light as u32, index);
             let tasks = (0..SEQUENCE_END / TASK).into_par_iter();
             let found: Vec<_> = tasks.map(|task| shoot(light, sequence, task)).collect();
             // Sum up in a fixed order.

@@ -10,18 +10,13 @@ use glam::DVec3;
 use super::recipe::RayCount;
 use crate::patches::{Outlook, Stretch};
 use crate::scene::Side;
-use crate::trace::sampling::{Sequence, uniform_triangle};
+use crate::trace::sampling::{Stream, uniform_triangle};
 use crate::trace::{Lamps, Tracer};
 
 /// Points from which pairs are looked at, and to which.
 const ROWS: u32 = 192;
 const COLUMNS: u32 = 768;
 const CARRIERS: u32 = 128;
-
-/// The streams of their random sequences.
-const ROW_STREAM: u64 = 1 << 57;
-const COLUMN_STREAM: u64 = 1 << 58;
-const CARRIER_STREAM: u64 = 1 << 59;
 
 /// What a patch exchanges with others, on the average over patches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,9 +55,9 @@ impl Density {
         let whole = |face: usize| Stretch { face, corners: *tracer.corners(face), cells: 1.0 };
         let faces = (0..outlook.carriers.len()).map(whole);
         let carriers = Places::new(tracer, &outlook.carriers, lamps, faces);
-        let rows = places.draw(ROWS, ROW_STREAM, [1.0, 0.0]);
-        let columns = places.draw(COLUMNS, COLUMN_STREAM, [0.5; 2]);
-        let carriers = carriers.draw(CARRIERS, CARRIER_STREAM, [0.0, 1.0]);
+        let rows = places.draw(ROWS, Stream::ForecastRows, [1.0, 0.0]);
+        let columns = places.draw(COLUMNS, Stream::ForecastColumns, [0.5; 2]);
+        let carriers = carriers.draw(CARRIERS, Stream::ForecastCarriers, [0.0, 1.0]);
         let lamp_patches: f64 = lamps.faces().map(|face| outlook.patches_of[face as usize][0]).sum();
         let found_by_pairs = 1.0 - (-f64::from(count.lamp_rays) / lamp_patches.max(1.0)).exp();
         let mut sums = Self::default();
@@ -200,11 +195,11 @@ impl<'a, 's> Places<'a, 's> {
     }
 
     /// Draws places, these parts of them by number of patches and by area.
-    fn draw(&self, number: u32, stream: u64, parts: [f64; 2]) -> Vec<Place> {
+    fn draw(&self, number: u32, stream: Stream, parts: [f64; 2]) -> Vec<Place> {
         let totals = self.by.each_ref().map(|by| by.last().copied().unwrap_or(0.0));
         let split = (f64::from(number) * parts[0]) as u32;
         let place = |k: u32| {
-            let [which, s, t, _] = Sequence::new(0, stream, 0).point(k);
+            let [which, s, t, _] = stream.sequence(0, 0, 0).point(k);
             let kind = usize::from(k >= split);
             let goal = which * totals[kind];
             let at = self.by[kind].partition_point(|&sum| sum <= goal).min(self.sides.len() - 1);

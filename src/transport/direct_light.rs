@@ -9,14 +9,12 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::sources::PARTS;
-use super::{Mass, Sources, TraceOptions};
+use super::{LampFlux, Mass, Sources, TraceOptions};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::scene::Scene;
-use crate::trace::{Lamps, Tracer, geometry_term, sampling};
-
-/// The stream of random sequences, apart from all others.
-const STREAM: u64 = 1 << 60;
+use crate::trace::sampling::{self, Stream};
+use crate::trace::{Lamps, Tracer, geometry_term};
 
 /// Patches between two reports of progress.
 const CHUNK: usize = 4096;
@@ -24,6 +22,7 @@ const CHUNK: usize = 4096;
 impl Sources {
     /// The same with what lamps send straight to patches among what lights bring: [`Sources::direct`] is then all light that has not been
     /// reflected. As many pairs of points a patch as the options have shadow rays; what comes by way of mirrors and glass is left out.
+    /// Where the rest of the lamps' light goes, as many rays from lamps tell as there are pairs, at most 2¹⁹.
     ///
     /// # Errors
     /// `Cancelled`.
@@ -64,6 +63,12 @@ impl Sources {
                 field
             })
             .collect();
+        let sums = Mass::new(basis, patches.etendues()).sums().clone();
+        let arrived: Vec<Vec<f64>> =
+            parts.iter().map(|part| part.column_iter().map(|h| sums.dot(&h)).collect()).collect();
+        let rays = u64::from(look.pairs) * patches.len() as u64;
+        let emitted = basis.means(&self.emitted);
+        self.lamps = Some(LampFlux::trace(tracer, patches, &emitted, &arrived, (rays, options.seed)));
         let whole = parts.iter().fold(DMatrix::zeros(self.emitted.nrows(), channels), |sum, part| sum + part);
         parts.iter_mut().for_each(|part| *part = &*part * PARTS as f64 - &whole);
         self.direct = Some(self.direct.map_or_else(|| whole.clone(), |direct| direct + &whole));
@@ -99,7 +104,7 @@ impl Look<'_> {
         let facet = self.patches.facet(self.tracer, slot);
         let view = self.lamps.view_from(&facet.corners, facet.normal, &[(facet.centre(), 1.0)]);
         let worth = self.patches.areas()[patch] / f64::from(self.pairs);
-        let (sequence, stretch) = sampling::Sequence::stretch(self.seed, STREAM, slot, 0, self.pairs);
+        let (sequence, stretch) = Stream::DirectLight.stretch(self.seed, slot, 0, self.pairs);
         let first = stretch.start;
         for k in stretch {
             let part = (k - first) as usize * PARTS / self.pairs as usize;

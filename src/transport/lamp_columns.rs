@@ -15,14 +15,11 @@
 
 use crate::patches::{Basis, Facet, Patches};
 use crate::scene::Side;
-use crate::trace::sampling::{self, RulePoint, Sequence};
+use crate::trace::sampling::{self, RulePoint, Stream};
 use crate::trace::{Lamps, Tracer, geometry_term};
 
 use super::landing::Spot;
 use super::recipe::{BATCHES, Recipe};
-
-/// Where streams of random sequences for pairs start.
-const PAIR_STREAM: u64 = 1 << 41;
 
 /// Pairs for each point under Lambert's formula, at least where they are many.
 const PAIRS_PER_POINT: usize = 8;
@@ -99,7 +96,7 @@ pub(super) fn look_at_lamps(
     let (mut sum, mut squares) = (0.0, 0.0);
     for batch in 0..BATCHES {
         let pairs_now = count.lamp_rays / BATCHES;
-        let (sequence, stretch) = Sequence::stretch(seed, PAIR_STREAM, slot, batch as u64, pairs_now);
+        let (sequence, stretch) = Stream::LampPairs.stretch(seed, slot, batch as u64, pairs_now);
         for k in stretch {
             let [s, t, u, v] = sequence.point(k);
             let from = facet.point([s, t]);

@@ -103,14 +103,14 @@ fn for_each_triple(x: &mut [f64], f: impl Fn([f64; 3]) -> [f64; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::sampling::{Sequence, uniform_triangle};
+    use crate::trace::sampling::{Stream, uniform_triangle};
 
     /// M of one patch of area 1 by sampling.
     fn sampled() -> DMatrix<f64> {
         let points = 1 << 14;
         let mut mass = DMatrix::zeros(3, 3);
         for k in 0..points {
-            let [s, t, ..] = Sequence::new(3, 1, 4).point(k);
+            let [s, t, ..] = Stream::Callers.sequence(3, 1, 4).point(k);
             let [v, w] = uniform_triangle([s, t]);
             let phi = DVector::from_row_slice(&[1.0 - v - w, v, w]);
             mass += &phi * phi.transpose() / points as f64;

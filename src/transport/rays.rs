@@ -16,11 +16,8 @@ use super::tones::{Survivors, Tones};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
-use crate::trace::sampling::{self, RulePoint, Sequence};
+use crate::trace::sampling::{self, RulePoint, Sequence, Stream};
 use crate::trace::{Destination, Hit, Lamps, Ray, Tint, Tracer};
-
-/// Where streams of random sequences for rays start.
-const STREAM: u64 = 0;
 
 /// Rows between two reports of progress.
 const CHUNK: usize = 256;
@@ -246,7 +243,7 @@ pub(super) fn end_of(
 /// The stretches of random sequences by which a slot sends its rays, one a batch.
 fn stretches(slot: u32, Recipe { count, seed, .. }: Recipe) -> impl Iterator<Item = (Sequence, Range<u32>)> {
     let batches = 0..u64::from(BATCHES);
-    batches.map(move |batch| Sequence::stretch(seed, STREAM, slot, batch, count.rays / BATCHES))
+    batches.map(move |batch| Stream::Rays.stretch(seed, slot, batch, count.rays / BATCHES))
 }
 
 /// Where in their slot its rays start, in the order of its landings.

@@ -16,12 +16,8 @@ use super::tones::Tones;
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::scene::{Receiver, Side};
-use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around};
+use crate::trace::sampling::{Stream, cosine_hemisphere, frame_around};
 use crate::trace::{Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term};
-
-/// The streams of random sequences, apart from all others.
-const STREAM: u64 = 1 << 55;
-const LIGHT_STREAM: u64 = 1 << 56;
 
 /// Points between two reports of progress.
 const CHUNK: usize = 1024;
@@ -118,7 +114,7 @@ impl Gather<'_, '_> {
         let share = |g: f64, p: f64| g / (rays * (g + p));
         let mut rows = vec![Vec::new(); self.tones.len()];
         let mut colour = vec![1.0; self.tones.len()];
-        let (sequence, points) = Sequence::stretch(self.seed, STREAM, place, 0, self.rays);
+        let (sequence, points) = Stream::Receivers.stretch(self.seed, place, 0, self.rays);
         for k in points {
             let [x, y, u, v] = sequence.point(k);
             let direction = frame * cosine_hemisphere([x, y]);
@@ -201,7 +197,7 @@ impl Gather<'_, '_> {
     fn add_direct(&self, point: DVec3, place: u32, direct: &mut [f64]) {
         let Some(lights) = &self.lights else { return };
         let mut scratch = vec![0.0; direct.len()];
-        let (sequence, points) = Sequence::stretch(self.seed, LIGHT_STREAM, place, 0, self.rays);
+        let (sequence, points) = Stream::ReceiverLights.stretch(self.seed, place, 0, self.rays);
         for k in points {
             let [u, v, s, t] = sequence.point(k);
             let mut numbers = [[u, v], [s, t]].into_iter().cycle();

@@ -9,14 +9,11 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::carried_light::{CarriedLight, Measured};
-use super::{Mass, Shots, Transport};
+use super::{LampFlux, Mass, Shots, Transport};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
-use crate::trace::{Lights, Ray, SkyBeam, Tracer, sampling};
-
-/// The streams of random sequences towards lights, one per light, and into the sky; apart from all others.
-const STREAM: u64 = 1 << 53;
-const SKY_STREAM: u64 = 1 << 54;
+use crate::trace::sampling::{self, Stream};
+use crate::trace::{Lights, Ray, SkyBeam, Tracer};
 
 /// Patches between two reports of progress.
 const CHUNK: usize = 4096;
@@ -54,6 +51,9 @@ pub struct Sources {
     pub spread: Vec<DMatrix<f64>>,
     /// What of H₀ comes by way of mirrors, metals and glass; none where a scene has none of these, or no such lights.
     pub carried: Option<CarriedLight>,
+    /// Where the light of lamps goes, if what arrives of it is a part of H₀; none where lamps are left to
+    /// form factors.
+    pub lamps: Option<LampFlux>,
 }
 
 impl Sources {
@@ -91,7 +91,8 @@ impl Sources {
             mass.solve(&mut field, 1.0);
             field
         });
-        let mut sources = Self { direct: fields.next(), spread: fields.collect(), carried: None, emitted };
+        let mut sources =
+            Self { direct: fields.next(), spread: fields.collect(), carried: None, lamps: None, emitted };
         if let Some(Measured { light, more }) =
             CarriedLight::trace(tracer, patches, basis, &look.lights, options)?
         {
@@ -113,12 +114,14 @@ impl Sources {
         }
     }
 
-    /// The flux that starts, per channel, in W·m⁻² times the unit of area of `mass`: π Σ A Lₑ + Σ A H₀, and what carriers kept of the latter on its
-    /// way.
+    /// The flux that starts, per channel, in W·m⁻² times the unit of area of `mass`: π Σ A Lₑ, Σ A H₀ by
+    /// lights without area, and what carriers kept of the latter on its way.
     pub fn flux(&self, mass: &Mass) -> Vec<f64> {
         let kept =
             |c: usize| self.carried.as_ref().map_or(0.0, |carried| carried.absorbed[c] + carried.lost[c]);
-        let direct = |c: usize| self.direct.as_ref().map_or(0.0, |h| mass.sums().dot(&h.column(c)) + kept(c));
+        let by_lamps = |c: usize| self.lamps.as_ref().map_or(0.0, |lamps| lamps.arrived[c]);
+        let arrived = |c: usize| self.direct.as_ref().map_or(0.0, |h| mass.sums().dot(&h.column(c)));
+        let direct = |c: usize| arrived(c) - by_lamps(c) + kept(c);
         let of = |c: usize| PI * mass.sums().dot(&self.emitted.column(c)) + direct(c);
         (0..self.emitted.ncols()).map(of).collect()
     }
@@ -127,7 +130,7 @@ impl Sources {
 impl From<DMatrix<f64>> for Sources {
     /// Emitted radiance (N × c) alone.
     fn from(emitted: DMatrix<f64>) -> Self {
-        Self { emitted, direct: None, spread: Vec::new(), carried: None }
+        Self { emitted, direct: None, spread: Vec::new(), carried: None, lamps: None }
     }
 }
 
@@ -208,8 +211,7 @@ impl Look<'_> {
             }
             // Weigh each ray by what it would bring if nothing stood in its way.
             let rays = self.rays.div_ceil(4);
-            let stream = STREAM + ((light as u64) << 32);
-            let (sequence, points) = sampling::Sequence::stretch(self.seed, stream, slot, 0, rays);
+            let (sequence, points) = Stream::Lights.stretch(self.seed, slot, light as u64, rays);
             let mut seen = vec![Parts::<N>::default(); self.channels];
             let first = points.start;
             for k in points {
@@ -245,7 +247,7 @@ impl Look<'_> {
             add(&seen, scale, self.lights.power(light));
         }
         if let Some(sky) = self.lights.sky() {
-            let (sequence, points) = sampling::Sequence::stretch(self.seed, SKY_STREAM, slot, 0, self.rays);
+            let (sequence, points) = Stream::Sky.stretch(self.seed, slot, 0, self.rays);
             let even = Parts::<N> { whole: [1.0; PARTS], ..Default::default() };
             let mut seen = vec![even; self.channels];
             let first = points.start;

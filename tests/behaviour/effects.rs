@@ -85,9 +85,69 @@ fn without_interreflection_there_is_what_lamps_send_straight_and_what_of_it_is_r
         // Each place reflects of it what it reflects.
         let reflected = k.reflect(&solution.irradiance) + &lights.emitted;
         assert!((reflected - &solution.radiance).amax() < 1e-14);
-        let energy = Energy::of_direct_light(&k, &lights, &solution.irradiance, 1.0);
+        let energy = energy_of_direct_light(&k, &sources);
         assert!((energy.lost[0] / (energy.lost[0] + energy.absorbed[0]) - 0.8).abs() < 1e-12, "{energy:?}");
     }
+}
+
+fn energy_of_direct_light(k: &Transport, sources: &Sources) -> Energy {
+    Energy::of_direct_light(k, (sources, sources.lamps.as_ref().unwrap()), 1.0)
+}
+
+/// The same of a scene that is cut into some 400 patches, under a seed.
+fn direct_energy(scene: &Scene, basis: Basis, seed: u64) -> Energy {
+    let tracer = Tracer::new(scene);
+    let patches = cut(&tracer, 400);
+    let factors = FormFactors::none(&patches, basis);
+    let k = Transport::of(&factors, &patches).unwrap();
+    let lights = LightOptions { seed, ..Default::default() };
+    let lights = Sources::trace(&tracer, &patches, basis, &lights).unwrap();
+    let options = TraceOptions { basis, seed, ..Default::default() };
+    energy_of_direct_light(&k, &lights.with_lamps(&tracer, &patches, &options).unwrap())
+}
+
+#[test]
+fn direct_light_in_a_closed_room_balances_within_its_noise() {
+    let sides = room([0.0; 3], [2.0, 1.0, 3.0]).map(|side| (side, 0));
+    let lamp = flipped([[0.5, 0.9, 0.5], [0.5, 0.9, 0.8], [0.8, 0.9, 0.8], [0.8, 0.9, 0.5]]);
+    let quads_and_lamp: Vec<_> = sides.into_iter().chain([(flipped(lamp), 1)]).collect();
+    let materials = vec![Material::diffuse("wall", &[0.5]), Material::lamp("lamp", &[0.2], &[3.0])];
+    let scene = quads(&quads_and_lamp, materials).without(Feature::Interreflection);
+    for (basis, seed) in BASES.into_iter().flat_map(|basis| [0, 1, 2, 3].map(|seed| (basis, seed))) {
+        let energy = direct_energy(&scene, basis, seed);
+        // Two estimates that know nothing of each other: some noise is left, and no more than they say.
+        assert!(energy.imbalance != 0.0 && energy.imbalance < 4.0 * energy.imbalance_error, "{energy:?}");
+        assert!(energy.imbalance_error < 0.01, "{energy:?}");
+        assert_eq!([energy.escaped[0], energy.carriers[0]], [0.0; 2], "{energy:?}");
+    }
+}
+
+#[test]
+fn what_lamps_send_past_all_surfaces_is_measured_and_no_remainder() {
+    let square = |y: f64| [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]];
+    let plates = [(square(0.0), 0), (flipped(square(1.0)), 1)];
+    let lamp = Material::lamp("lamp", &[0.9], &[2.0]);
+    let scene = quads(&plates, vec![lamp, Material::diffuse("plate", &[0.8])]);
+    for (basis, seed) in BASES.into_iter().flat_map(|basis| [0, 1, 2, 3].map(|seed| (basis, seed))) {
+        let energy = direct_energy(&scene, basis, seed);
+        let off = energy.escaped[0] / energy.emitted[0] - (1.0 - facing());
+        assert!(off != 0.0 && off.abs() < 4.0 * energy.imbalance_error, "{off} {energy:?}");
+        assert!(energy.imbalance < 4.0 * energy.imbalance_error, "{energy:?}");
+    }
+}
+
+#[test]
+fn direct_light_among_carriers_and_textures_balances_in_every_channel() {
+    for name in ["mirror_room", "glass_balls", "glossy_floor", "plastic_toys", "textured_room"] {
+        let scene = mesh(name);
+        for basis in BASES {
+            let energy = direct_energy(&scene, basis, 0);
+            assert!(energy.imbalance < 4.0 * energy.imbalance_error, "{name} {basis:?}: {energy:?}");
+            assert!(energy.imbalance_error < 0.01, "{name} {basis:?}: {energy:?}");
+        }
+    }
+    let energy = direct_energy(&mesh("mirror_room"), Basis::Constant, 0);
+    assert!(energy.carriers[0] > 0.0, "{energy:?}");
 }
 
 #[test]

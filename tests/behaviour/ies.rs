@@ -7,7 +7,7 @@ use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{IntensityTable, Light, Material, Receiver, Scene};
 use radiosity::solve;
 use radiosity::trace::Tracer;
-use radiosity::trace::sampling::Sequence;
+use radiosity::trace::sampling::Stream;
 use radiosity::transport::{FormFactors, LightOptions, ReceiverRows, Sources, TraceOptions, Transport};
 
 use crate::scenes::{lit_quads, room};
@@ -92,7 +92,7 @@ fn flux_is_what_the_file_implies_however_the_luminaire_hangs() {
             let light = scene.lights().next().unwrap();
             let n = 1 << 16;
             let sample = |k: u32| {
-                let [u, v, ..] = Sequence::new(3, 7, 0).point(k);
+                let [u, v, ..] = Stream::Callers.sequence(3, 7, 0).point(k);
                 let (z, angle) = (1.0 - 2.0 * u, std::f64::consts::TAU * v);
                 let across = (1.0 - z * z).sqrt();
                 light.share_towards(DVec3::new(across * angle.cos(), across * angle.sin(), z)) / f64::from(n)
@@ -129,7 +129,7 @@ fn a_luminaire_turns_with_its_axis_and_up() {
     let turned = scene(turn * -DVec3::Y, turn * DVec3::X);
     let turned = turned.lights().next().unwrap();
     for k in 0..50 {
-        let [u, v, w, _] = Sequence::new(1, 1, 0).point(k).map(|x| 2.0 * x - 1.0);
+        let [u, v, w, _] = Stream::Callers.sequence(1, 1, 0).point(k).map(|x| 2.0 * x - 1.0);
         let direction = DVec3::new(u, v, w).normalize();
         let (a, b) = (hanging.share_towards(direction), turned.share_towards(turn * direction));
         assert!((a - b).abs() < 1e-9, "{a} {b}");

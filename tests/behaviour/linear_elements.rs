@@ -6,7 +6,7 @@ use radiosity::measure::{Energy, ReferenceRow, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Material, Scene, Side};
 use radiosity::solve::{self, CgOptions, DirectOptions};
-use radiosity::trace::sampling::{Sequence, uniform_triangle};
+use radiosity::trace::sampling::{Stream, uniform_triangle};
 use radiosity::trace::{Tracer, form_factor_to_triangle};
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
@@ -59,7 +59,7 @@ fn field_error(tracer: &Tracer, patches: &Patches, basis: Basis, h: &DMatrix<f64
         let [a, b, c] =
             patches.corners(i).map(|corner| tracer.frame().from_world(patches.point(place.face, corner)));
         for k in 0..64 {
-            let [s, t, ..] = Sequence::new(1, 2, 3).point(k);
+            let [s, t, ..] = Stream::Callers.sequence(1, 2, 3).point(k);
             let [u, v] = uniform_triangle([s, t]);
             let point = a + (b - a) * u + (c - a) * v;
             let lamp = |face: usize| form_factor_to_triangle(point, DVec3::Y, tracer.corners(face));

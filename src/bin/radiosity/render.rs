@@ -1,6 +1,6 @@
 //! `radiosity render`: pictures.
 
-use radiosity::measure::{Answer, Verdict};
+use radiosity::measure::{Answer, Energy, Verdict};
 use radiosity::output::{self, RenderOptions};
 use radiosity::solve;
 use radiosity::trace::Tracer;
@@ -43,7 +43,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let sources = args.factors.sources(&tracer, &patches, basis, &args.run, &light)?;
     let e = sources.right_hand_side(&k);
     let solution = solve::solve(&k, &e, &args.solver.options(&args.run, progress))?.under(&sources);
-    let energy = args.factors.energy(&tracer, &patches, (&k, &sources), &solution, &light)?;
+    let energy = Energy::of(&k, &sources, &solution.radiance, patches.unit_of_area());
     let verdict = Verdict::of(&Answer {
         tracer: &tracer,
         patches: &patches,

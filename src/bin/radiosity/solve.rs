@@ -1,6 +1,6 @@
 //! `radiosity solve`: the main job.
 
-use radiosity::measure::{Answer, ErrorBars, Undershoot, Verdict};
+use radiosity::measure::{Answer, Energy, ErrorBars, Undershoot, Verdict};
 use radiosity::output::{
     self, EnergySummary, Photometry, Quantity, RenderOptions, SeriesSummary, Shading, Summary, Surfaces,
 };
@@ -96,7 +96,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
 
     let whole = solution.clone().under(&sources);
     let bars = ErrorBars::of(&patches, &factors, &sources, &whole, progress)?;
-    let energy = args.factors.energy(&tracer, &patches, (&k, &sources), &whole, &light)?;
+    let energy = Energy::of(&k, &sources, &whole.radiance, patches.unit_of_area());
     let verdict = Verdict::of(&Answer {
         tracer: &tracer,
         patches: &patches,
@@ -241,12 +241,17 @@ fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
             series.order, series.residual, bounds[0], series.bound, series.difference, solver.name
         ),
         format!(
-            "energy        emitted {} W, absorbed {} W, escaped {} W{}; imbalance {:.0e}",
+            "energy        emitted {} W, absorbed {} W, escaped {} W{}; imbalance {:.0e}{}",
             triple(energy.emitted),
             triple(energy.absorbed),
             triple(energy.escaped),
             elsewhere(energy),
-            energy.imbalance
+            energy.imbalance,
+            if energy.imbalance_error > 0.0 {
+                format!(" ± {:.0e}", energy.imbalance_error)
+            } else {
+                String::new()
+            }
         ),
         format!("verdict       {}\n", verdict::phrase(&summary.verdict)),
         format!("  order  flux it adds (W)            residual  {}", bounds[0]),

@@ -36,11 +36,11 @@ impl MeshError {
     ) -> Result<Self, MeasureError> {
         let own = irradiance(tracer, patches, factors, (trace.seed, trace.caustics))?;
         let edge = typical_edge(patches);
-        let on_cut = |scale: f64, rays: u32, stream: u64| -> Result<DMatrix<f64>, MeasureError> {
+        let on_cut = |scale: f64, rays: u32, apart: u64| -> Result<DMatrix<f64>, MeasureError> {
             let size = PatchSize::Edge(edge * scale);
             let silent = Progress::default();
-            // Random numbers of its own, so that noise does not cancel.
-            let seed = trace.seed ^ stream;
+            // A seed of its own, so that noise does not cancel.
+            let seed = trace.seed ^ apart;
             let mut cut =
                 Patches::new(tracer, &Tessellation { size, seed, progress: silent, ..*tessellation })?;
             let basis = factors.basis();

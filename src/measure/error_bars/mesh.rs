@@ -115,6 +115,7 @@ fn changed_by(
         direct: sources.direct.as_ref().map(|direct| mean(&basis.means(direct))),
         spread: Vec::new(),
         carried: None,
+        lamps: None,
     };
     // What is known is nearly right: only what it lacks is solved for, and that need not be exact.
     let known = mean(radiance);

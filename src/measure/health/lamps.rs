@@ -10,14 +10,12 @@ use rayon::prelude::*;
 use super::edges::{Edges, Groups};
 use super::{Finding, Grade, shape};
 use crate::scene::Side;
-use crate::trace::{Ray, Tracer, sampling, sampling::Sequence};
+use crate::trace::sampling::{self, Stream};
+use crate::trace::{Ray, Tracer};
 
 /// Rays in all, and the fewest and most from a side of a face.
 const BUDGET: usize = 1 << 15;
 const PER_SIDE: std::ops::Range<usize> = 8..1024;
-
-/// The stream of random sequences; apart from all others.
-const STREAM: u64 = 1 << 45;
 
 /// A lamp whose fronts see only what is nearer than this, relative to the root of its area, may be the wrong way round.
 const NEAR: f64 = 0.05;
@@ -155,7 +153,7 @@ impl Lamp {
 
 /// Cosine-distributed rays from all over a side of a face.
 fn rays_from(tracer: &Tracer, face: usize, side: Side, rays: u32, seed: u64) -> impl Iterator<Item = Ray> {
-    let sequence = Sequence::new(seed, STREAM + face as u64, u64::from(side == Side::Back));
+    let sequence = Stream::LampViews.sequence(seed, face as u32, u64::from(side == Side::Back));
     let [a, b, c] = *tracer.corners(face);
     let frame = sampling::frame_around(tracer.normal(face, side));
     (0..rays).map(move |k| {

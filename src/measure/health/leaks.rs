@@ -10,15 +10,12 @@ use rayon::prelude::*;
 use super::{Finding, Grade, shape};
 use crate::patches::{Facet, Patches};
 use crate::scene::Side;
-use crate::trace::sampling::{self, SEQUENCE_END, Sequence};
+use crate::trace::sampling::{self, SEQUENCE_END, Stream};
 use crate::trace::{Destination, Ray, Tint, Tracer};
 
 /// Paths of light that are followed, and after how many bounces they are given up.
 const PATHS: u32 = SEQUENCE_END;
-const BOUNCES: u64 = 64;
-
-/// The streams of random sequences, one a bounce; apart from all others.
-const STREAM: u64 = 1 << 44;
+const BOUNCES: u32 = 64;
 
 /// From this share on a scene is open.
 const OPEN: f64 = 0.1;
@@ -124,7 +121,7 @@ impl<'t> Starts<'t> {
 
 /// The ray by which a path escapes, if it does.
 fn last_ray(tracer: &Tracer, start: Facet, seed: u64, path: u32) -> Option<Ray> {
-    let sequence = |bounce: u64| Sequence::new(seed, STREAM + bounce, 0);
+    let sequence = |bounce: u32| Stream::Leaks.sequence(seed, bounce, 0);
     let mut ray = start.rays(sequence(0), path..path + 1).next()?;
     if tracer.is_covered_towards((ray.origin, start.face), start.normal) {
         return None;

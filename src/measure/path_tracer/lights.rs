@@ -92,7 +92,7 @@ impl Lights {
 mod tests {
     use super::*;
     use crate::scene::Scene;
-    use crate::trace::sampling::Sequence;
+    use crate::trace::sampling::Stream;
 
     #[test]
     fn points_are_drawn_with_their_density() {
@@ -104,7 +104,7 @@ mod tests {
         let mut drawn = vec![0.0; scene.faces().len()];
         let mut centre = vec![DVec3::ZERO; scene.faces().len()];
         for k in 0..n {
-            let [u, v, ..] = Sequence::new(3, 0, 0).point(k);
+            let [u, v, ..] = Stream::Callers.sequence(3, 0, 0).point(k);
             let light = lights.sample([u, v]).unwrap();
             // Each point stands for 1/(n·density) of area.
             let area = 1.0 / (n as f64 * light.density);

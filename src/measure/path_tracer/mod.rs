@@ -22,18 +22,18 @@ pub use estimate::{Estimate, PathTraced};
 pub use rounds::Budget;
 
 use super::MeasureError;
-use crate::patches::Patches;
+use crate::patches::{MOST_SLOTS, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
-use crate::trace::sampling::Sequence;
+use crate::trace::sampling::{Sequence, Stream};
 use crate::trace::{Hit, Ray, Tracer};
 use estimate::Half;
 use photons::Thrower;
 use rounds::{first_round, next_round};
 use walk::{Beyond, Met, Numbers, Place, Walker};
 
-/// Where the streams of random sequences start; one a patch and half.
-const STREAM: u64 = 1 << 50;
+/// Every slot has two offsets into the stream of paths, one a half.
+const _: () = assert!(2 * MOST_SLOTS - 1 <= u32::MAX as u64);
 
 /// Patches between two reports of progress.
 const CHUNK: usize = 512;
@@ -246,11 +246,11 @@ impl<'t, 's> PathTracer<'t, 's> {
         let kept = sums.len() / channels - 1;
         let longest = options.longest.unwrap_or(usize::MAX);
         let facet = patches.facet(self.walker.tracer, patches.slot_of_patch(patch));
-        let stream = STREAM + 2 * patches.slot_of_patch(patch) as u64 + half as u64;
+        let offset = 2 * patches.slot_of_patch(patch) + half as u32;
         let mut found = vec![0.0; sums.len()];
         let mut weight = vec![0.0; 2 * channels];
         for batch in range {
-            let sequence = Sequence::new(options.seed, stream, u64::from(batch));
+            let sequence = Stream::Paths.sequence(options.seed, offset, u64::from(batch));
             found.fill(0.0);
             for point in 0..size {
                 let mut numbers = Numbers { sequence, point, set: 0 };

@@ -14,11 +14,8 @@ use super::walk::{Beyond, CERTAIN, Met, Numbers, Walker, largest};
 use crate::patches::Patches;
 use crate::progress::Cancelled;
 use crate::scene::Light;
-use crate::trace::sampling::{Sequence, frame_around, uniform_disc};
+use crate::trace::sampling::{Stream, frame_around, uniform_disc};
 use crate::trace::{Frame, Ray, Tracer};
-
-/// Where the streams of random sequences start; one a light.
-const STREAM: u64 = 1 << 51;
 
 /// Photons of each light in a batch.
 const BATCH: u32 = 1024;
@@ -118,7 +115,7 @@ impl Thrower {
         let mut found = Vec::new();
         let mut weight = vec![0.0; 2 * channels];
         for (light, source) in self.lights.iter().enumerate() {
-            let sequence = Sequence::new(options.seed, STREAM + light as u64, u64::from(batch));
+            let sequence = Stream::Photons.sequence(options.seed, light as u32, u64::from(batch));
             for point in 0..BATCH {
                 let mut numbers = Numbers { sequence, point, set: 0 };
                 let (ray, worth) = self.start(source, walker.tracer.frame(), numbers.next());

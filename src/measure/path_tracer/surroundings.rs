@@ -78,7 +78,7 @@ impl Surroundings {
 mod tests {
     use super::*;
     use crate::scene::Pixels;
-    use crate::trace::sampling::Sequence;
+    use crate::trace::sampling::Stream;
 
     #[test]
     fn irradiance_under_a_bright_spot_on_an_even_ground_is_that_of_both() {
@@ -89,7 +89,7 @@ mod tests {
         let surroundings = Surroundings::new(&environment);
         let n = 1 << 15;
         let one = |k: u32| {
-            let [s, t, ..] = Sequence::new(6, 2, 0).point(k);
+            let [s, t, ..] = Stream::Callers.sequence(6, 2, 0).point(k);
             let (towards, worth) = surroundings.sample(&environment, DVec3::Y, [s, t]);
             environment.from(towards)[0] * towards.y * worth / f64::from(n)
         };

@@ -18,7 +18,7 @@ use crate::transport::{FormFactors, LightOptions, Sources, TraceOptions, Transpo
 /// Orders at which the series is truncated.
 const ORDERS: [usize; 5] = [1, 2, 4, 8, 16];
 
-/// Random numbers of light paths that are held against those of the reference.
+/// Sets the seed of light paths apart from that of the reference, against which they are held.
 const PATHS: u64 = 1 << 60;
 
 /// One way of solving, over all repeats.

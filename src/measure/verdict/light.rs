@@ -5,12 +5,15 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 
 use super::places;
-use super::{Answer, BAD, Cause, DOUBTFUL, Energy, Level, Reason};
+use super::{Answer, Cause, DOUBTFUL, Energy, Level, Reason};
 use crate::scene::{Scene, Side};
 use crate::trace::OverlapKind;
 
 /// A patch of less irradiance than this part of the root mean square is dark; its error is relative to that.
 const DARK: f64 = 1e-3;
+
+/// Noise of so many standard errors is no fault: exceeded by chance in one of 15 000 answers.
+const STANDARD_ERRORS: f64 = 4.0;
 
 /// NaN and infinite numbers anywhere are bad; an infinite bound alone is doubtful.
 pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {
@@ -127,14 +130,16 @@ pub(super) fn unsolved(answer: &Answer, residual: &Residual) -> Option<Reason> {
 
 /// What is emitted comes to all terms together, but for what the residual and open rows of form factors explain.
 pub(super) fn imbalance(answer: &Answer, explained: f64) -> Option<Reason> {
-    let Energy { emitted, absorbed, escaped, carriers, lost, slack, imbalance } = answer.energy;
+    let Energy { emitted, absorbed, escaped, carriers, lost, slack, imbalance, imbalance_error } =
+        answer.energy;
     let off = |c: usize| match emitted[c] {
         0.0 => 0.0,
         all => ((all - absorbed[c] - escaped[c] - carriers[c] - lost[c] - slack[c]) / all).abs(),
     };
     let share = (0..emitted.len()).map(off).fold(*imbalance, f64::max);
     // Without interreflection shadow rays estimate each term by itself, with their noise.
-    let allowed = if answer.has_rows() { explained + answer.exact() } else { BAD };
+    let noise = STANDARD_ERRORS * imbalance_error;
+    let allowed = answer.exact() + if answer.has_rows() { explained } else { noise };
     let level = Level::of_share(share, allowed);
     (level > Level::Good)
         .then(|| Reason::new(Cause::EnergyImbalance, level, Some(share), Vec::new(), answer.tracer.scene()))

@@ -77,7 +77,7 @@ mod tests {
     use super::*;
     use crate::patches::Reach;
     use crate::scene::Material;
-    use crate::trace::sampling::{Sequence, uniform_triangle};
+    use crate::trace::sampling::{Stream, uniform_triangle};
 
     #[test]
     fn a_linear_field_over_a_wall_is_shown_as_it_is_flat_and_smooth() {
@@ -93,7 +93,7 @@ mod tests {
             for patch in 0..patches.len() {
                 let [a, b, c] = patches.corners(patch).map(glam::DVec2::from);
                 for k in 0..8 {
-                    let [s, t, ..] = Sequence::new(1, 2, patch as u64).point(k);
+                    let [s, t, ..] = Stream::Callers.sequence(1, 2, patch as u64).point(k);
                     let [v, w] = uniform_triangle([s, t]);
                     let point = (a + (b - a) * v + (c - a) * w).to_array();
                     let missed =

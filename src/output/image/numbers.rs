@@ -5,10 +5,7 @@
 //! and the eye averages most of it out.
 
 use super::RenderOptions;
-use crate::trace::sampling::{SEQUENCE_END, Sequence};
-
-/// Where the stream of random sequences for pictures starts.
-const STREAM: u64 = 1 << 43;
+use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream};
 
 /// Where a pixel finds its random points.
 #[derive(Clone, Copy)]
@@ -33,7 +30,7 @@ impl Numbers {
     /// The sequence of sample `k`, and the number of its point there.
     pub fn of_sample(&self, k: u32) -> (Sequence, u32) {
         let (batch, point) = self.place(k);
-        (Sequence::new(self.seed, STREAM + u64::from(batch), self.square), point)
+        (Stream::Pixels.sequence(self.seed, batch, self.square), point)
     }
 
     fn place(&self, k: u32) -> (u32, u32) {

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::super::to_rgb;
 use super::highlights::{Highlights, Shine, Views};
-use crate::trace::sampling::{SEQUENCE_END, Sequence};
+use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream};
 use crate::trace::{Hit, Ray, Tint, Tracer};
 
 /// Ways that bring less than this part of what is seen are left out, and so are all after so many carriers.
@@ -13,9 +13,6 @@ const DEEPEST: u32 = 32;
 
 /// Rays by which the first rough conductor in sight looks around; those seen in it take one each.
 const LOBE: u32 = 4;
-
-/// Where the stream of random sequences for lobes starts.
-const STREAM: u64 = 1 << 58;
 
 /// The random numbers of one look: a stretch of a sequence.
 #[derive(Clone, Copy)]
@@ -28,7 +25,7 @@ impl Chances {
     /// Those of look `k` at a pixel; `pixel` is its number.
     pub fn new(seed: u64, pixel: u64, k: u32) -> Self {
         let per_sequence = SEQUENCE_END / LOBE;
-        let sequence = Sequence::new(seed, STREAM + u64::from(k / per_sequence), pixel);
+        let sequence = Stream::Lobes.sequence(seed, k / per_sequence, pixel);
         Self { sequence, first: k % per_sequence * LOBE }
     }
 }

@@ -1,36 +1,30 @@
 //! Sampling: random points and directions, each sampler beside its density.
 //!
-//! Samples come from 4-D Owen-scrambled Sobol sequences (Burley 2020), which end at 2¹⁶ points: rays are drawn in
-//! *batches*, each with a scrambling of its own, so that the spread between batches measures the error.
+//! Samples come from 4-D Owen-scrambled Sobol sequences (Burley 2020), which end at 2¹⁶ points: rays are
+//! drawn in *batches*, each with a scrambling of its own, so that the spread between batches measures the
+//! error. [`Stream`] lists what they are for.
+
+mod streams;
 
 use std::f64::consts::{FRAC_1_PI, PI};
-use std::ops::Range;
 
 use glam::{DMat3, DVec3};
+
+pub use streams::Stream;
 
 /// The most points a scrambling has.
 pub const SEQUENCE_END: u32 = 1 << 16;
 
-/// One scrambling of the four-dimensional Sobol sequence.
-#[derive(Clone, Copy, Debug)]
+/// One scrambling of the four-dimensional Sobol sequence; [`Stream`]s have them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sequence(u32);
 
 impl Sequence {
-    /// The scrambling with number `index` of stream `stream` under a user's seed.
-    pub fn new(seed: u64, stream: u64, index: u64) -> Self {
+    /// The scrambling with number `index` of stream number `stream` under a user's seed.
+    fn of(seed: u64, stream: u64, index: u64) -> Self {
         // Three rounds of SplitMix64 (Steele, Lea & Flood 2014).
         let mixed = [seed, stream, index].iter().fold(0u64, |state, &word| split_mix(state ^ word));
         Self((mixed >> 32) as u32)
-    }
-
-    /// Where place `place` finds its `count` points under scrambling `index`: a sequence and a stretch of it.
-    ///
-    /// Neighbouring places take neighbouring stretches of one sequence, so that their points complement each other: what is
-    /// averaged over many places converges faster than each place by itself.
-    pub fn stretch(seed: u64, stream: u64, place: u32, index: u64, count: u32) -> (Self, Range<u32>) {
-        let places = SEQUENCE_END / count.max(1);
-        let first = place % places * count;
-        (Self::new(seed, stream + (place / places) as u64, index), first..first + count)
     }
 
     /// Point `k` of the sequence, strictly inside the unit cube; k < [`SEQUENCE_END`].
@@ -190,7 +184,7 @@ mod tests {
         let n = 1 << 14;
         let mut mean = [0.0; 4];
         for k in 0..n {
-            let [u, v, ..] = Sequence::new(7, 0, 0).point(k);
+            let [u, v, ..] = Stream::Callers.sequence(7, 0, 0).point(k);
             let d = cosine_hemisphere([u, v]);
             assert!((d.length() - 1.0).abs() < 1e-12 && d.z >= 0.0);
             for (m, f) in mean.iter_mut().zip(tests) {
@@ -222,7 +216,7 @@ mod tests {
         let n = 1 << 14;
         let mut moments = [0.0; 3];
         for k in 0..n {
-            let [u, v, ..] = Sequence::new(7, 1, 0).point(k);
+            let [u, v, ..] = Stream::Callers.sequence(7, 1, 0).point(k);
             let [b, c] = uniform_triangle([u, v]);
             assert!(b > 0.0 && c > 0.0 && b + c < 1.0);
             for (m, x) in moments.iter_mut().zip([b, c, b * c]) {
@@ -282,7 +276,7 @@ mod tests {
             }
             let mut mean = [0.0; 4];
             for k in 0..n {
-                let [u, v, ..] = Sequence::new(7, 2, 0).point(k);
+                let [u, v, ..] = Stream::Callers.sequence(7, 2, 0).point(k);
                 let d = uniform_spherical_triangle(corners.map(DVec3::normalize), [u, v]);
                 assert!((d.length() - 1.0).abs() < 1e-12);
                 mean.iter_mut().zip(tests(d)).for_each(|(m, f)| *m += f / f64::from(n));
@@ -296,7 +290,7 @@ mod tests {
     #[test]
     fn the_frame_is_orthonormal_and_right_handed() {
         for k in 0..100 {
-            let [a, b, ..] = Sequence::new(1, 2, 3).point(k);
+            let [a, b, ..] = Stream::Callers.sequence(1, 2, 3).point(k);
             let normal = cosine_hemisphere([a, b]) * if k % 2 == 0 { 1.0 } else { -1.0 };
             let frame = frame_around(normal);
             assert!((frame.determinant() - 1.0).abs() < 1e-12);
