@@ -10,8 +10,10 @@ use super::sky::SkySampler;
 use super::{IN_PLANE, Ray, Tracer};
 use crate::scene::Light;
 
-/// A triangle that fills more than this, seen from a light, is lit so unevenly that points of it are drawn by solid angle, sr.
-const NEAR_ANGLE: f64 = 1.0;
+/// A triangle that fills more than this, sr, seen from a light over it by less than this part of the root of its area, is lit so
+/// unevenly that points of it are drawn by solid angle.
+const NEAR_ANGLE: f64 = 0.05;
+const NEAR_HEIGHT: f64 = 0.05;
 
 /// No point of a triangle is farther from a light near it, normalised lengths.
 const FARTHEST: f64 = 8.0;
@@ -151,10 +153,11 @@ impl Lights {
     }
 
     /// Whether a triangle of this [`Lights::mean_density`] is so near a light that its points are drawn by [`Lights::point_near`].
-    pub fn is_near(&self, light: usize, corners: &[DVec3; 3], mean: f64) -> bool {
+    pub fn is_near(&self, light: usize, corners: &[DVec3; 3], normal: DVec3, mean: f64) -> bool {
         let [a, b, c] = *corners;
-        let angle = || mean * 0.5 * (b - a).cross(c - a).length();
-        matches!(self.lamps[light].place, Place::At(_)) && angle() > NEAR_ANGLE
+        let Place::At(position) = self.lamps[light].place else { return false };
+        let area = 0.5 * (b - a).cross(c - a).length();
+        mean * area > NEAR_ANGLE && normal.dot(position - a).powi(2) < NEAR_HEIGHT * NEAR_HEIGHT * area
     }
 
     /// A point of a triangle, as weights of its second and third corner, uniform in solid angle seen from a light with a place. It must

@@ -264,7 +264,7 @@ impl Look<'_> {
         let mut seen = vec![Parts::<N>::default(); self.channels];
         // What thin glass leaves of a ray, per channel.
         let mut left = vec![1.0; self.channels];
-        let is_near = mean.is_some_and(|mean| self.lights.is_near(light, &facet.corners, mean));
+        let is_near = mean.is_some_and(|mean| self.lights.is_near(light, &facet.corners, facet.normal, mean));
         let first = points.start;
         for k in points {
             let [s, t, u, v] = sequence.point(k);
