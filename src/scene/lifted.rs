@@ -16,7 +16,7 @@ const TOUCH: f64 = 1e-6;
 /// By how much farther than it must a light is moved over each face, so that few moves do for several faces.
 const MARGIN: f64 = 1.5;
 
-/// Moves over single faces, at most, to get in front of all; a wedge of ten degrees takes some 200.
+/// Moves over single faces, at most, to get in front of all; a wedge of ten degrees takes 120.
 const MOVES: usize = 1000;
 
 /// Lights that are named in the warning.
