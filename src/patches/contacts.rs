@@ -11,7 +11,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 
 use crate::scene::FaceState;
-use crate::trace::Tracer;
+use crate::trace::{Tracer, can_face};
 
 /// What is as near as this to a face lies in its plane, normalised lengths: files often round to as much.
 const TOUCH: f64 = 1e-6;
@@ -80,8 +80,10 @@ impl<'t> Contacts<'t> {
     /// between two such surfaces do not close: patches that see other things beside it are better.
     fn shines_on(&self, face: usize, flat: &Flat) -> bool {
         let [a, b, c] = self.tracer.corners(face).map(|p| flat.place(p));
-        let front = (b - a).cross(c - a);
-        self.tracer.scene().material_of(face).emits() && front.z * (a.z + b.z + c.z) < 0.0
+        let front = (b - a).cross(c - a).normalize_or_zero();
+        let middle = (a + b + c) / 3.0;
+        let (below, normal) = (middle.with_z(0.0), DVec3::Z * middle.z.signum());
+        self.tracer.scene().material_of(face).emits() && can_face((&[below], normal), (&[a, b, c], front))
     }
 
     /// Whether edge `k` of a face is one on which light changes: not a line within a surface, as seen along the normal of the plane, or

@@ -66,6 +66,25 @@ impl Light {
         }
     }
 
+    /// Where it is, metres; none of a sun.
+    pub fn position(&self) -> Option<DVec3> {
+        match *self {
+            Light::Point { position, .. } | Light::Spot { position, .. } | Light::Ies { position, .. } => {
+                Some(position)
+            }
+            Light::Sun { .. } => None,
+        }
+    }
+
+    pub(super) fn position_mut(&mut self) -> Option<&mut DVec3> {
+        match self {
+            Light::Point { position, .. } | Light::Spot { position, .. } | Light::Ies { position, .. } => {
+                Some(position)
+            }
+            Light::Sun { .. } => None,
+        }
+    }
+
     pub(super) fn power_mut(&mut self) -> &mut Vec<f64> {
         match self {
             Light::Point { intensity, .. } | Light::Spot { intensity, .. } | Light::Ies { intensity, .. } => {

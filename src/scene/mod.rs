@@ -11,6 +11,7 @@ mod environment;
 mod feature;
 mod glass;
 mod ies;
+mod lifted;
 mod light;
 mod light_settings;
 mod lines;
@@ -44,6 +45,8 @@ pub use sky::{Sky, SkyKind, SkyShares};
 pub use texture::{FaceTexture, Texture, Textures};
 
 use degenerate::drop_degenerate;
+pub(crate) use lifted::distance_to;
+use lifted::lift_lights;
 
 /// One of the two sides of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -282,7 +285,8 @@ impl Scene {
     /// Checks the parts and makes a scene of them.
     ///
     /// Zero-area and duplicate faces are marked as dropped and counted in a warning; where all
-    /// channels of all materials and lights agree the scene keeps one channel.
+    /// channels of all materials and lights agree the scene keeps one channel. A light that lies on faces, within a millionth of half of
+    /// the scene's longest side, is moved as far in front of them, and a warning names it.
     ///
     /// # Errors
     /// `NoFaces`, `NoArea`, `Face`, `Material`, `Light`, `Receiver` or `Camera`.
@@ -318,6 +322,7 @@ impl Scene {
         if faces.iter().all(|face| face.state != FaceState::Kept) {
             return Err(SceneError::NoArea { name });
         }
+        lift_lights(&mut lights, (&faces, &vertices), &objects, &mut warnings);
         if materials.iter().any(Material::is_textured) {
             texture_coordinates.resize(faces.len(), None);
             texture::warn_of_missing_coordinates(&faces, &texture_coordinates, &materials, &mut warnings);

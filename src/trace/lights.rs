@@ -5,10 +5,18 @@
 
 use glam::DVec3;
 
-use super::sampling::{frame_around, uniform_disc};
+use super::sampling::{frame_around, uniform_disc, uniform_spherical_triangle, uniform_triangle};
 use super::sky::SkySampler;
-use super::{Ray, Tracer};
+use super::{IN_PLANE, Ray, Tracer};
 use crate::scene::Light;
+
+/// A triangle that fills more than this, sr, seen from a light over it by less than this part of the root of its area, is lit so
+/// unevenly that points of it are drawn by solid angle.
+const NEAR_ANGLE: f64 = 0.05;
+const NEAR_HEIGHT: f64 = 0.05;
+
+/// No point of a triangle is farther from a light near it, normalised lengths.
+const FARTHEST: f64 = 8.0;
 
 /// The lights without area of a scene, and its sky.
 #[derive(Clone, Debug)]
@@ -128,7 +136,7 @@ impl Lights {
     pub fn mean_density(&self, light: usize, corners: &[DVec3; 3], normal: DVec3) -> Option<f64> {
         let [a, b, c] = *corners;
         match self.lamps[light].place {
-            Place::At(position) if normal.dot(position - a) <= 0.0 => Some(0.0),
+            Place::At(position) if normal.dot(position - a) <= IN_PLANE => Some(0.0),
             Place::At(position) => {
                 let area = 0.5 * (b - a).cross(c - a).length();
                 Some(solid_angle(position, corners) / area)
@@ -136,12 +144,60 @@ impl Lights {
             Place::Towards(middle, sine) => {
                 let cosine = normal.dot(middle);
                 match sine {
+                    _ if cosine <= IN_PLANE - sine => Some(0.0),
                     _ if cosine >= sine => Some(cosine),
-                    _ if cosine <= -sine => Some(0.0),
                     _ => None,
                 }
             }
         }
+    }
+
+    /// Whether a triangle of this [`Lights::mean_density`] is so near a light that its points are drawn by [`Lights::point_near`].
+    pub fn is_near(&self, light: usize, corners: &[DVec3; 3], normal: DVec3, mean: f64) -> bool {
+        let [a, b, c] = *corners;
+        let Place::At(position) = self.lamps[light].place else { return false };
+        let area = 0.5 * (b - a).cross(c - a).length();
+        mean * area > NEAR_ANGLE && normal.dot(position - a).powi(2) < NEAR_HEIGHT * NEAR_HEIGHT * area
+    }
+
+    /// A point of a triangle, as weights of its second and third corner, uniform in solid angle seen from a light with a place. It must
+    /// stand over the triangle's plane.
+    pub fn point_near(
+        &self,
+        light: usize,
+        corners: &[DVec3; 3],
+        normal: DVec3,
+        square: [f64; 2],
+    ) -> [f64; 2] {
+        let Place::At(position) = self.lamps[light].place else { return uniform_triangle(square) };
+        let [a, b, c] = *corners;
+        let foot = position - normal * normal.dot(position - a);
+        // Over the triangle, divide it at the foot: three narrow parts are drawn from exactly where one of half a sphere is not.
+        let parts = [[foot, a, b], [foot, b, c], [foot, c, a]];
+        let angles = parts.map(|part| solid_angle(position, &part));
+        let whole: f64 = angles.iter().sum();
+        let [mut u, v] = square;
+        let mut drawn = *corners;
+        if whole <= solid_angle(position, corners) * (1.0 + 1e-9) {
+            u *= whole;
+            let mut part = 0;
+            while part < 2 && u >= angles[part] {
+                u -= angles[part];
+                part += 1;
+            }
+            (u, drawn) = ((u / angles[part]).clamp(0.0, 1.0), parts[part]);
+        }
+        let towards = drawn.map(|corner| (corner - position).normalize_or_zero());
+        let direction = uniform_spherical_triangle(towards, [u, v]);
+        // Where it meets the plane, within the triangle but for rounding.
+        let slope = -normal.dot(direction);
+        let distance = if slope > 0.0 { (normal.dot(position - a) / slope).min(FARTHEST) } else { 0.0 };
+        let drawn = position + direction * distance;
+        let point = if drawn.is_finite() { drawn } else { foot };
+        let across = (b - a).cross(c - a);
+        let weight = |p: DVec3, q: DVec3| (p.cross(q).dot(across) / across.length_squared()).clamp(0.0, 1.0);
+        let s = weight(point - a, c - a);
+        [s, weight(b - a, point - a).min(1.0 - s)]
     }
 
     /// Whether a beam gets to a point of a face; `parts` is multiplied by what thin glass leaves of it, per channel.
@@ -173,7 +229,12 @@ impl Lights {
             let cosine = normal.dot(beam.direction);
             let weight = beam.density * beam.share * cosine * weight_at(cosine);
             scratch.fill(1.0);
-            if weight > 0.0 && weight.is_finite() && self.arrives(tracer, &beam, (point, face), scratch) {
+            let is_above = cosine * beam.distance.min(1.0) > IN_PLANE;
+            if is_above
+                && weight > 0.0
+                && weight.is_finite()
+                && self.arrives(tracer, &beam, (point, face), scratch)
+            {
                 let powers = self.power(light).iter().zip(&*scratch);
                 irradiance
                     .iter_mut()

@@ -11,7 +11,7 @@ use super::recipe::RayCount;
 use crate::patches::{Outlook, Stretch};
 use crate::scene::Side;
 use crate::trace::sampling::{Stream, uniform_triangle};
-use crate::trace::{Lamps, Tracer};
+use crate::trace::{IN_PLANE, Lamps, Tracer};
 
 /// Points from which pairs are looked at, and to which.
 const ROWS: u32 = 192;
@@ -150,7 +150,7 @@ fn form_factor(from: &Place, to: &Place) -> f64 {
     let between = to.point - from.point;
     let squared = between.length_squared();
     let (here, there) = (from.normal.dot(between), -to.normal.dot(between));
-    if here <= 0.0 || there <= 0.0 {
+    if here.min(there) <= IN_PLANE {
         return 0.0;
     }
     here * there / squared * to.area / (std::f64::consts::PI * squared + to.area)

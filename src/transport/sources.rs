@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::carried_light::{CarriedLight, Measured};
 use super::{LampFlux, Mass, Shots, Transport};
-use crate::patches::{Basis, Patches};
+use crate::patches::{Basis, Facet, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::trace::sampling::{self, Stream};
 use crate::trace::{Lights, Ray, SkyBeam, Tracer};
@@ -209,31 +209,7 @@ impl Look<'_> {
             if mean == Some(0.0) {
                 continue;
             }
-            // Weigh each ray by what it would bring if nothing stood in its way.
-            let rays = self.rays.div_ceil(4);
-            let (sequence, points) = Stream::Lights.stretch(self.seed, slot, light as u64, rays);
-            let mut seen = vec![Parts::<N>::default(); self.channels];
-            let first = points.start;
-            for k in points {
-                let [s, t, u, v] = sequence.point(k);
-                let [s, t] = sampling::uniform_triangle([s, t]);
-                let point = a + (b - a) * s + (c - a) * t;
-                let beam = self.lights.beam(light, point, [u, v]);
-                let weight = beam.density * facet.normal.dot(beam.direction);
-                if !(weight > 0.0 && weight.is_finite()) {
-                    continue;
-                }
-                let part = ((k - first) as usize * PARTS) / rays as usize;
-                seen.iter_mut().for_each(|seen| seen.whole[part] += weight);
-                left.fill(1.0);
-                let place = (point, facet.face);
-                let coated = facet.weight(beam.direction);
-                if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, place, &mut left) {
-                    for (seen, left) in seen.iter_mut().zip(&left) {
-                        seen.add(part, weight * coated * beam.share * left, phi([s, t]));
-                    }
-                }
-            }
+            let mut seen = self.seen_of(light, (slot, &facet), mean, &phi);
             let whole: f64 = seen[0].whole.iter().sum();
             // Scale to what is known of all rays together.
             let scale = match mean {
@@ -241,7 +217,7 @@ impl Look<'_> {
                 Some(_) => 0.0,
                 None => {
                     seen.iter_mut().for_each(|seen| seen.whole = [1.0; PARTS]);
-                    1.0 / f64::from(rays)
+                    1.0 / f64::from(self.rays_to_light())
                 }
             };
             add(&seen, scale, self.lights.power(light));
@@ -268,5 +244,54 @@ impl Look<'_> {
             }
             add(&seen, 1.0 / f64::from(self.rays), sky.zenith());
         }
+    }
+
+    /// Rays of a patch to each light.
+    fn rays_to_light(&self) -> u32 {
+        self.rays.div_ceil(4)
+    }
+
+    /// What rays from a patch to a light find, each weighted by what it would bring if nothing stood in its way; `mean` is the light's
+    /// mean density there, if known.
+    fn seen_of<const N: usize>(
+        &self,
+        light: usize,
+        (slot, facet): (u32, &Facet),
+        mean: Option<f64>,
+        phi: impl Fn([f64; 2]) -> [f64; N],
+    ) -> Vec<Parts<N>> {
+        let [a, b, c] = facet.corners;
+        let rays = self.rays_to_light();
+        let (sequence, points) = Stream::Lights.stretch(self.seed, slot, light as u64, rays);
+        let mut seen = vec![Parts::<N>::default(); self.channels];
+        // What thin glass leaves of a ray, per channel.
+        let mut left = vec![1.0; self.channels];
+        let is_near = mean.is_some_and(|mean| self.lights.is_near(light, &facet.corners, facet.normal, mean));
+        let first = points.start;
+        for k in points {
+            let [s, t, u, v] = sequence.point(k);
+            // Draw a point by solid angle or by area.
+            let at = match is_near {
+                true => self.lights.point_near(light, &facet.corners, facet.normal, [s, t]),
+                false => sampling::uniform_triangle([s, t]),
+            };
+            let point = a + (b - a) * at[0] + (c - a) * at[1];
+            let beam = self.lights.beam(light, point, [u, v]);
+            let weight = if is_near { 1.0 } else { beam.density * facet.normal.dot(beam.direction) };
+            if !(weight > 0.0 && weight.is_finite()) {
+                continue;
+            }
+            let part = ((k - first) as usize * PARTS) / rays as usize;
+            seen.iter_mut().for_each(|seen| seen.whole[part] += weight);
+            left.fill(1.0);
+            let coated = facet.weight(beam.direction);
+            let place = (point, facet.face);
+            if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, place, &mut left) {
+                for (seen, left) in seen.iter_mut().zip(&left) {
+                    seen.add(part, weight * coated * beam.share * left, phi(at));
+                }
+            }
+        }
+        seen
     }
 }

@@ -30,6 +30,7 @@ mod plastic; // a diffuse base under a coat: furnaces, closed forms, light paths
 mod receivers; // light at points that are no patches, and what is reported in lux
 mod saved_factors; // what may change around saved form factors, and what may not
 mod sheets; // blinds and lampshades: closed forms, energy, every solver, light paths, bad input
+mod sidedness; // turned lamps and their backs, lights without area on surfaces
 mod slack; // rows that cannot be closed: they fail by themselves, and what they lack is accounted for
 mod structure; // modules import only from their left
 mod study; // accuracy against time: errors that fall, noise that is called noise, studies that resume

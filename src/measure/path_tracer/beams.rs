@@ -5,16 +5,18 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::near::near_faces;
 use super::surroundings::Surroundings;
 use super::walk::Place;
 use crate::scene::{Environment, Light, Sky, SkyKind, SkyShares};
 use crate::trace::sampling::{cosine_hemisphere, frame_around};
-use crate::trace::{Ray, Tracer};
+use crate::trace::{IN_PLANE, Ray, Tracer};
 
 /// All lights without area, and the sky.
 #[derive(Debug)]
 pub(super) struct Beams {
-    lights: Vec<Light>,
+    /// Each with the faces near it, to which photons bring its light.
+    lights: Vec<(Light, Vec<u32>)>,
     sky: Option<(SkyShares, Sky)>,
     environment: Option<(Arc<Environment>, Surroundings)>,
 }
@@ -23,7 +25,7 @@ impl Beams {
     /// Those of a scene; none where it has none.
     pub fn new(tracer: &Tracer) -> Option<Self> {
         let scene = tracer.scene();
-        let lights: Vec<Light> = scene.lights().cloned().collect();
+        let lights: Vec<_> = scene.lights().map(|light| (light.clone(), near_faces(tracer, light))).collect();
         let sky = scene.sky().map(|sky| (sky.shares(), sky.clone()));
         let environment = match scene.sky().map(|sky| &sky.kind) {
             Some(SkyKind::Environment(around)) => Some((around.clone(), Surroundings::new(around))),
@@ -62,7 +64,7 @@ impl Beams {
                 arrives(part, scratch);
             }
         };
-        for light in &self.lights {
+        for (light, _) in self.lights.iter().filter(|(_, near)| !near.contains(&place.face)) {
             match light {
                 Light::Point { position, intensity }
                 | Light::Spot { position, intensity, .. }
@@ -74,7 +76,7 @@ impl Beams {
                     let metres = distance * tracer.frame().scale();
                     let part =
                         place.normal.dot(direction) * light.share_towards(-direction) / (metres * metres);
-                    if part > 0.0 && part.is_finite() {
+                    if place.normal.dot(between) > IN_PLANE && part > 0.0 && part.is_finite() {
                         look(part, direction, distance, intensity);
                     }
                 }
@@ -89,7 +91,7 @@ impl Beams {
                     // Its solid angle by its radiance per irradiance: 2π(1 − cos α) / (π sin²α).
                     let spread = 2.0 / (1.0 + radius.cos());
                     let part = place.normal.dot(towards) * spread;
-                    if part > 0.0 {
+                    if place.normal.dot(towards) > IN_PLANE {
                         look(part, towards, f64::INFINITY, irradiance);
                     }
                 }

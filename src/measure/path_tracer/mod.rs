@@ -1,12 +1,13 @@
 //! Path tracer: an independent witness, the light on every patch by following random light paths on the surfaces themselves.
 //!
-//! Light from points and suns that mirrors and glass throw on surfaces is found by no path that starts where light is wanted; photons bring it, from the
-//! other end. It shares nothing with the solvers but the scene, the tracer and the numbering of patches: no form factors, no patches that are
+//! Light from points and suns that mirrors and glass throw on surfaces is found by no path that starts where light is wanted, and the spot
+//! of a light right before a surface by hardly any; photons bring both, from the other end. It shares nothing with the solvers but the scene, the tracer and the numbering of patches: no form factors, no patches that are
 //! bright or dark all over. It is unbiased, and says how far off it may be by standard errors.
 
 mod beams;
 mod estimate;
 mod lights;
+mod near;
 mod photons;
 mod rounds;
 mod surroundings;
@@ -81,7 +82,7 @@ impl<'t, 's> PathTracer<'t, 's> {
     }
 
     /// Radiance that arrives along `ray`, per channel, W·sr⁻¹·m⁻²: one path, by point `k` of `sequence` from dimension set 1 on. Adds it
-    /// to `radiance`; answers what the ray met first.
+    /// to `radiance`; answers what the ray met first. What only photons bring is not part of it.
     ///
     /// # Panics
     /// If `radiance` has not c values.

@@ -88,6 +88,8 @@ streams! {
     Pixels = 27,
     /// Lobes of rough conductors and coats in pictures: the sequence; the pixel.
     Lobes = 28,
+    /// Photons of lights that stand right in front of a face: the light; the batch.
+    NearPhotons = 30,
     /// What callers of this library draw for purposes of their own, tests among them: anything; anything.
     Callers = 29,
 }
