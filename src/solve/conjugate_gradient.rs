@@ -17,11 +17,14 @@ use crate::transport::Transport;
 /// Refinement that leaves more than this part of what was too much makes no headway.
 const STUCK: f64 = 0.5;
 
+/// Passes that it takes to judge an answer.
+const JUDGED: usize = 2;
+
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
 pub struct CgOptions<'a> {
-    /// The part of the flux, and of the irradiance, that may be missing: the [rule](super#tolerance) that all iterations share. 0 asks for all that
-    /// rounding leaves.
+    /// The part of the flux, and of the irradiance, that may be missing: the [rule](super#tolerance) that all
+    /// iterations share. 0 asks for all that rounding leaves.
     pub tolerance: f64,
     /// The most passes over the matrix.
     pub iterations: usize,
@@ -40,8 +43,8 @@ impl Default for CgOptions<'_> {
 
 /// Solves L = E + K L by conjugate gradients, or by MINRES where sheets let through more than they reflect.
 ///
-/// Iterations go by a residual that they carry along. When it is small enough the true residual is computed anew, and where that does not fulfil the
-/// rule yet, what is left is solved for in the same way.
+/// Iterations go by a residual that they carry along. When it is small enough the true residual is computed
+/// anew, and where that does not fulfil the rule yet, what is left is solved for in the same way.
 ///
 /// # Errors
 /// `NotConverged`, with the best iterate, `NotFinite`, or `Cancelled`.
@@ -63,33 +66,31 @@ pub fn conjugate_gradients(
     k.through(e, &mut through);
     let mut direct = through.clone();
     k.mass().solve(&mut direct, PI);
-    let (mut reflected, mut passes) =
+    let (reflected, mut passes) =
         symmetric::iterate(&root, &through, rule.goals(&direct), (iterations, progress))?;
     let mut answer = Answer::after(k, e, &reflected);
     let mut excess = rule.excess(&answer);
-    while excess > 1.0 {
+    while excess > 1.0 && passes + JUDGED < iterations {
         k.through(&answer.residual, &mut through);
-        let goals = rule.goals(&answer.irradiance);
-        let left = (iterations.saturating_sub(passes + 2), progress);
-        let (more, taken) = symmetric::iterate(&root, &through, goals, left)?;
-        reflected = &answer.reflected + &answer.residual + more;
-        passes += taken + 2;
+        let left = (iterations - passes - JUDGED, progress);
+        let (more, taken) = symmetric::iterate(&root, &through, rule.goals(&answer.irradiance), left)?;
+        let reflected = &answer.reflected + &answer.residual + more;
+        passes += taken + JUDGED;
         let refined = Answer::after(k, e, &reflected);
-        let now = rule.excess(&refined);
-        // Neither does it help where rounding rules, nor for ever.
-        let is_stuck = now > STUCK * excess || passes >= iterations;
-        if now < excess {
+        let (before, now) = (excess, rule.excess(&refined));
+        if now < before {
             (answer, excess) = (refined, now);
         }
-        if is_stuck {
+        if now > STUCK * before {
             break;
         }
     }
+    let has_converged = excess <= 1.0 || rule.is_rounding(&answer);
     let report = answer.judge(k, e, (root.method(), passes), &amplification);
     let solution = Solution { radiance: e + answer.reflected, irradiance: answer.irradiance, report };
     progress.at("solve", 1.0)?;
     check_finite(k, &solution.radiance)?;
-    if excess > 1.0 {
+    if !has_converged {
         return Err(SolveError::NotConverged { best: Box::new(solution), tolerance });
     }
     Ok(solution)
@@ -113,7 +114,8 @@ pub(crate) fn roughly(
     Ok(e + reflected)
 }
 
-/// Iterates until the residual of L = E + R y meets the goals; answers R y and the number of passes, that for `through` = S E among them.
+/// Iterates until the residual of L = E + R y meets the goals; answers R y and the number of passes, that for
+/// `through` = S E among them.
 pub(super) fn iterate(
     root: &Root,
     through: &DMatrix<f64>,

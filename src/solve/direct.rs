@@ -10,8 +10,8 @@ use faer::linalg::cholesky::{ldlt, llt};
 use faer::{MatMut, MatRef, Par};
 use nalgebra::DMatrix;
 
-use super::symmetric::Root;
 use super::stopping::Answer;
+use super::symmetric::Root;
 use super::{Amplification, Solution, SolveError};
 use crate::patches::{Basis, Sheets};
 use crate::progress::Progress;

@@ -80,7 +80,8 @@ impl Channel {
     }
 }
 
-/// Iterates until the residual of L = E + R y meets the goals; answers R y and the number of passes, that for `through` = S E among them.
+/// Iterates until the residual of L = E + R y meets the goals; answers R y and the number of passes, that for
+/// `through` = S E among them.
 pub(super) fn iterate(
     root: &Root,
     through: &DMatrix<f64>,

@@ -12,13 +12,16 @@
 //!
 //! Iterations end, in every channel, when with tolerance t
 //!
-//! - the flux that is still on its way is small: π Σ A |r| ≤ t Φ with the residual r = E − (I − K) L and the flux Φ = π Σ A E that starts;
-//! - no irradiance H lacks much: ‖π F L − H‖∞ + π max w ‖r‖∞, which bounds what H lacks anywhere ([`Amplification`]), is no more than t times
-//!   the root mean square of H over all surfaces, nor than 10 t times the least H or a thousandth of that root mean square, whichever is more.
+//! - the flux that is still on its way is small: π Σ A |r| ≤ t Φ with the residual r = E − (I − K) L and the
+//!   flux Φ = π Σ A E that starts;
+//! - no irradiance H lacks much: ‖π F L − H‖∞ + π max w ‖r‖∞, which bounds what H lacks anywhere
+//!   ([`Amplification`]), is no more than t times the root mean square of H over all surfaces, nor than 10 t
+//!   times the least H or a thousandth of that root mean square, whichever is more.
 //!
-//! Both are of light where it arrives: how bright a lamp is, or how small, does not matter. A tolerance that rounding does not let through counts as
-//! met where ‖π F L − H‖∞ ≤ 10⁻¹⁴ ‖H‖∞. E = Lₑ + ρH₀/π has of lights without area what surfaces reflect: against all that these send out, and all the
-//! irradiance they cause, what is missing is a smaller part yet.
+//! Both are of light where it arrives: how bright a lamp is, or how small, does not matter. A tolerance that
+//! rounding does not let through counts as met where ‖π F L − H‖∞ ≤ 10⁻¹⁴ ‖H‖∞. E = Lₑ + ρH₀/π has of lights
+//! without area what surfaces reflect: against all that these send out, and all the irradiance they cause,
+//! what is missing is a smaller part yet.
 
 mod amplification;
 mod conjugate_gradient;
@@ -96,7 +99,8 @@ pub struct Report {
     pub iterations: usize,
     /// ‖E − (I − K)L‖∞ / ‖E‖∞, recomputed from the answer; the largest over channels.
     pub residual: f64,
-    /// The part of the flux that is still on its way: π Σ A |E − (I − K)L| / π Σ A E, the largest over channels.
+    /// The part of the flux that is still on its way: π Σ A |E − (I − K)L| / π Σ A E, the largest over
+    /// channels.
     pub remaining_flux: f64,
     /// Bound on the relative error ‖error‖ / ‖L‖ for this operator, the largest over channels. For constant elements the norm
     /// is ‖·‖∞, for linear ones it is √(∫ L² dA).
@@ -107,8 +111,8 @@ pub struct Report {
     pub certainty: Certainty,
     /// Whether this is a series that ended at its highest order before it met the tolerance.
     pub truncated: bool,
-    /// Bound on what the irradiance lacks, as root mean square over all surfaces (by area; by étendue where that differs), per channel, W·m⁻². As certain as
-    /// the other bounds.
+    /// Bound on what the irradiance lacks, as root mean square over all surfaces (by area; by étendue where
+    /// that differs), per channel, W·m⁻². As certain as the other bounds.
     #[serde(skip)]
     pub missing: Vec<f64>,
 }
@@ -149,7 +153,8 @@ pub enum SolveError {
         /// What was asked for.
         tolerance: f64,
     },
-    /// Light is not finite: what lamps emit is too much for numbers, or reflectances leave the matrix all but singular.
+    /// Light is not finite: what lamps emit is too much for numbers, or reflectances leave the matrix all but
+    /// singular.
     #[error(
         "the light of patch {patch} is not a finite number; lower what lamps emit, or reflectances too close to 1"
     )]

@@ -15,8 +15,8 @@ use crate::transport::Transport;
 pub struct NeumannOptions<'a> {
     /// The highest order: the series ends with KᵏE for this k at the latest.
     pub order: usize,
-    /// The part of the flux, and of the irradiance, that may be missing where it ends before, from order 1 on: the [rule](super#tolerance) that all
-    /// iterations share; 0 for an exact number of orders.
+    /// The part of the flux, and of the irradiance, that may be missing where it ends before, from order 1
+    /// on: the [rule](super#tolerance) that all iterations share; 0 for an exact number of orders.
     pub tolerance: f64,
     /// What [`Amplification::new`] says of the operator, where that is known already.
     pub amplification: Option<&'a Amplification>,
@@ -62,8 +62,9 @@ impl Series {
     }
 }
 
-/// Sums the series until it fulfils the [rule](super#tolerance), from order 1 on, or the highest order is reached; either is success, and
-/// [`Report::truncated`] tells which. With tolerance 0 it goes on to the highest order, unless nothing at all is left to add.
+/// Sums the series until it fulfils the [rule](super#tolerance), from order 1 on, or the highest order is
+/// reached; either is success, and [`Report::truncated`] tells which. With tolerance 0 it goes on to the
+/// highest order, unless nothing at all is left to add.
 ///
 /// The bound of order k is the smaller of q/(1−q)·‖L_k − L_{k−1}‖∞ with q = ‖K‖∞, and ‖r_k‖∞·max w ([`Amplification`]); for linear
 /// elements it is the estimate of the latter alone.

@@ -1,14 +1,15 @@
 //! When iterations stop: by the light that is still missing, not by the radiance of lamps.
 //!
-//! An answer is an irradiance H and the radiance L = E + R H/π that it causes. One more pass over the matrix shows how far they are from
-//! a solution: the step s = π F L − H, and the residual r = E − (I − K) L = R s/π. Since F's rows sum to at most 1, what H lacks is
-//! s + π F (I − K)⁻¹ r, with
+//! An answer is an irradiance H and the radiance L = E + R H/π that it causes. One more pass over the matrix
+//! shows how far they are from a solution: the step s = π F L − H, and the residual r = E − (I − K) L = R
+//! s/π. Since F's rows sum to at most 1, what H lacks is s + π F (I − K)⁻¹ r, with
 //!
 //! - ‖s + π F (I − K)⁻¹ r‖∞ ≤ ‖s‖∞ + π max w ‖r‖∞ with w = (I − K)⁻¹ 1, and
-//! - its root mean square ≤ that of s + π √(max w (1 + max w)) times that of r: columns of (I − K)⁻¹, weighted by area, sum to at most
-//!   1 + max w, and ‖·‖₂ ≤ √(‖·‖₁ ‖·‖∞) (Riesz & Thorin).
+//! - its root mean square ≤ that of s + π √(max w (1 + max w)) times that of r: columns of (I − K)⁻¹,
+//!   weighted by area, sum to at most 1 + max w, and ‖·‖₂ ≤ √(‖·‖₁ ‖·‖∞) (Riesz & Thorin).
 //!
-//! Both are *guaranteed* for constant elements. For linear ones the [`Amplification`] is that in √(∫ L² dA), and the bounds are *estimates*.
+//! Both are *guaranteed* for constant elements. For linear ones the [`Amplification`] is that in √(∫ L² dA),
+//! and the bounds are *estimates*.
 //!
 //! R H/π is kept apart from E throughout: beside the radiance of a tiny lamp it would lose its digits.
 
@@ -23,14 +24,19 @@ use crate::transport::Transport;
 /// What rounding leaves of a step, as a part of ‖H‖∞, or of a residual, as a part of ‖R H/π‖∞.
 const ROUNDING: f64 = 1e-14;
 
-/// Irradiance below this part of its root mean square counts as dark: there errors are held against this part.
+/// The same where solving for what is left makes no headway.
+const NO_HEADWAY: f64 = 1e-12;
+
+/// Irradiance below this part of its root mean square counts as dark: there errors are held against this
+/// part.
 const DARK: f64 = 1e-3;
 
 /// The relative error of a patch's own irradiance that is allowed, in units of the tolerance.
 const BY_PATCH: f64 = 10.0;
 
-/// Conjugate gradients and their like reduce a residual by so much at a time: what they say of their own residual holds no longer.
-const AT_A_TIME: f64 = 1e-8;
+/// Conjugate gradients and their like reduce a residual by so much at a time: what they say of their own
+/// residual holds no longer.
+const AT_A_TIME: f64 = 1e-10;
 
 /// A radiance L = E + R H/π with the irradiance H, and what one more pass makes of them; all N × c.
 pub(super) struct Answer {
@@ -80,9 +86,7 @@ impl Answer {
             name,
             iterations,
             residual: most(&|c| relative(self.residual.column(c).amax(), e.column(c).amax())),
-            remaining_flux: most(&|c| {
-                relative(flux(k, self.residual.column(c)), flux(k, e.column(c)))
-            }),
+            remaining_flux: most(&|c| relative(flux(k, self.residual.column(c)), flux(k, e.column(c)))),
             bound: most(&|c| relative(at_most(c), size(&radiance, c))),
             condition: amplification.condition(),
             certainty: amplification.certainty(),
@@ -92,15 +96,23 @@ impl Answer {
     }
 }
 
-/// The bound on the root mean square, over the mass, of what irradiance lacks in channel c after this step, with this residual.
-fn missing(k: &Transport, amplification: &Amplification, c: usize, [step, residual]: [DVectorView<f64>; 2]) -> f64 {
-    let root_mean_square = |x| (k.mass().norm(x).powi(2) / k.mass().sums().sum()).sqrt();
+/// The bound on the root mean square, over the mass, of what irradiance lacks in channel c after this step,
+/// with this residual.
+fn missing(
+    k: &Transport,
+    amplification: &Amplification,
+    c: usize,
+    [step, residual]: [DVectorView<f64>; 2],
+) -> f64 {
+    let root_mean_square =
+        |x| (k.mass().norm(x).powi(2) / k.mass().sums().sum().max(f64::MIN_POSITIVE)).sqrt();
     let w = amplification.of(c);
     match amplification.certainty() {
         _ if residual.amax() == 0.0 => root_mean_square(step),
         Certainty::Estimated => root_mean_square(step) + PI * w * root_mean_square(residual),
         Certainty::Guaranteed => {
-            let on_average = root_mean_square(step) + PI * (w * (1.0 + w)).sqrt() * root_mean_square(residual);
+            let on_average =
+                root_mean_square(step) + PI * (w * (1.0 + w)).sqrt() * root_mean_square(residual);
             on_average.min(step.amax() + PI * w * residual.amax())
         }
     }
@@ -120,10 +132,11 @@ fn amplify(a: f64, b: f64) -> f64 {
 ///
 /// In every channel, with tolerance t:
 ///
-/// - π Σ A |r| ≤ t Φ, with the flux Φ = π Σ A E that starts; of lights without area what surfaces reflect of theirs, so that this is no laxer than by the
-///   flux they emit;
-/// - ‖s‖∞ + π max w ‖r‖∞ ≤ t · min(H_rms, 10 max(H_min, 10⁻³ H_rms)), with the root mean square and the least of H, so that no patch is
-///   off by more than t of H_rms, nor by more than 10 t of its own irradiance, or of H_rms/1000 where it has less.
+/// - π Σ A |r| ≤ t Φ, with the flux Φ = π Σ A E that starts; of lights without area what surfaces reflect of
+///   theirs, so that this is no laxer than by the flux they emit;
+/// - ‖s‖∞ + π max w ‖r‖∞ ≤ t · min(H_rms, 10 max(H_min, 10⁻³ H_rms)), with the root mean square and the least
+///   of H, so that no patch is off by more than t of H_rms, nor by more than 10 t of its own irradiance, or
+///   of H_rms/1000 where it has less.
 ///
 /// What rounding alone leaves is good enough, too: ‖s‖∞ ≤ 10⁻¹⁴ ‖H‖∞.
 pub(super) struct Rule<'a> {
@@ -135,8 +148,15 @@ pub(super) struct Rule<'a> {
 }
 
 impl<'a> Rule<'a> {
-    pub fn new(k: &'a Transport<'a>, e: &DMatrix<f64>, amplification: &'a Amplification, tolerance: f64) -> Self {
+    pub fn new(
+        k: &'a Transport<'a>,
+        e: &DMatrix<f64>,
+        amplification: &'a Amplification,
+        tolerance: f64,
+    ) -> Self {
         let flux = e.column_iter().map(|column| flux(k, column)).collect();
+        // Nothing is told of less.
+        let tolerance = tolerance.max(f64::EPSILON);
         Self { k, amplification, tolerance, flux }
     }
 
@@ -156,11 +176,18 @@ impl<'a> Rule<'a> {
         (0..self.flux.len()).map(of).fold(0.0, f64::max)
     }
 
+    /// Whether what is missing of an answer is rounding, once solving for it makes no headway.
+    pub fn is_rounding(&self, answer: &Answer) -> bool {
+        let columns = answer.next.column_iter().zip(answer.irradiance.column_iter());
+        columns.into_iter().all(|(next, now)| (next - now).amax() <= NO_HEADWAY * next.amax())
+    }
+
     /// What the residual has to fall below, told by an irradiance that is no more than the answer's.
     pub fn goals(&self, irradiance: &DMatrix<f64>) -> Goals<'a> {
         let reflected = self.k.reflect(irradiance);
         let goal = |c: usize| {
-            let size = self.tolerance * self.yardstick(irradiance.column(c)) / (PI * self.amplification.of(c));
+            let size =
+                self.tolerance * self.yardstick(irradiance.column(c)) / (PI * self.amplification.of(c));
             Goal {
                 flux: (self.tolerance * self.flux[c]).max(ROUNDING * flux(self.k, reflected.column(c))),
                 size: size.max(ROUNDING * reflected.column(c).amax()),
@@ -172,7 +199,7 @@ impl<'a> Rule<'a> {
     /// The irradiance that the tolerance is a part of.
     fn yardstick(&self, irradiance: DVectorView<f64>) -> f64 {
         let mass = self.k.mass();
-        let typical = (mass.norm(irradiance).powi(2) / mass.sums().sum()).sqrt();
+        let typical = (mass.norm(irradiance).powi(2) / mass.sums().sum().max(f64::MIN_POSITIVE)).sqrt();
         typical.min(BY_PATCH * irradiance.amin().max(DARK * typical))
     }
 }
@@ -196,8 +223,10 @@ pub(super) struct Goals<'a> {
 impl<'a> Goals<'a> {
     /// This part of what E is, both in flux and in ‖·‖∞.
     pub fn relative(k: &'a Transport<'a>, e: &DMatrix<f64>, tolerance: f64) -> Self {
-        let goal =
-            |column: DVectorView<f64>| Goal { flux: tolerance * flux(k, column), size: tolerance * column.amax() };
+        let goal = |column: DVectorView<f64>| Goal {
+            flux: tolerance * flux(k, column),
+            size: tolerance * column.amax(),
+        };
         Self { k, of: e.column_iter().map(|column| goal(column.as_view())).collect(), at_start: None }
     }
 

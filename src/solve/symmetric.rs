@@ -139,8 +139,9 @@ impl<'k> Root<'k> {
     }
 }
 
-/// Iterates on y until the residual of L = E + R y meets the goals, by conjugate gradients where the symmetric form is positive definite and else by
-/// MINRES; answers R y, and the number of passes with that for `through` = S E. They end, too, after so many passes.
+/// Iterates on y until the residual of L = E + R y meets the goals, by conjugate gradients where the
+/// symmetric form is positive definite and else by MINRES; answers R y, and the number of passes with that
+/// for `through` = S E. They end, too, after so many passes.
 pub(super) fn iterate(
     root: &Root,
     through: &DMatrix<f64>,

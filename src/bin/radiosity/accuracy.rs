@@ -115,8 +115,8 @@ fn shortfall(of: Resource, needed: measure::Setting, seconds: f64) -> String {
     }
 }
 
-/// How wrong the answer is, and what would help: the line that matters. `seconds` is what the answer took, and `series` what is known of a
-/// truncated one.
+/// How wrong the answer is, and what would help: the line that matters. `seconds` is what the answer took,
+/// and `series` what is known of a truncated one.
 pub fn error_line(budget: &ErrorBudget, seconds: f64, series: &SeriesSummary) -> String {
     let noise = budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS));
     let mesh = budget.part(ErrorPart::MESH);

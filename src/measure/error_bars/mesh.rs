@@ -72,7 +72,8 @@ impl Insight {
 const ROUGHLY: f64 = 0.01;
 
 /// How far irradiance per patch (n × c, W·m⁻²) may be off, with the sign in which coarser elements change it; and how much that tells. `by_patch` are
-/// the form factors with constant elements, radiance and irradiance means over patches, those of the given order where the series was truncated.
+/// the form factors with constant elements, radiance and irradiance means over patches, those of the given
+/// order where the series was truncated.
 pub(super) fn mesh_error(
     patches: &Patches,
     [factors, by_patch]: [&FormFactors; 2],

@@ -1,11 +1,12 @@
 //! Error bars: how wrong an answer may be, told from the answer itself, and where its error comes from.
 //!
 //! Nothing is traced anew. The batches of rays tell the noise of form factors and of light sampling; larger patches, merged from those that there
-//! are, tell what the size of patches does; the solver knows what it has left out. The first two are *estimated*: they rest on what errors usually
+//! are, tell what the size of patches does; the solver knows what it has left out. The first two are
+//! *estimated*: they rest on what errors usually
 //! do. The last is *guaranteed* for the operator at hand.
 //!
-//! Of a series that ended early, order k is held against order k: what later orders add is no error of the mesh, nor noise, but truncation, a part of
-//! its own.
+//! Of a series that ended early, order k is held against order k: what later orders add is no error of the
+//! mesh, nor noise, but truncation, a part of its own.
 
 mod mesh;
 mod noise;
@@ -68,7 +69,8 @@ pub struct ErrorBudget {
 /// One source of error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ErrorPart {
-    /// [`ErrorPart::MESH`], [`ErrorPart::RAYS`], [`ErrorPart::LAMPS`], [`ErrorPart::TRUNCATION`], `solver` or `storage`.
+    /// [`ErrorPart::MESH`], [`ErrorPart::RAYS`], [`ErrorPart::LAMPS`], [`ErrorPart::TRUNCATION`], `solver` or
+    /// `storage`.
     pub name: &'static str,
     /// How large it is, in the norm of the budget. Of an answer without any light, 1 is all that it lacks.
     pub value: f64,
@@ -83,7 +85,8 @@ impl ErrorPart {
     pub const RAYS: &'static str = "form factors";
     /// The noise of light sampling.
     pub const LAMPS: &'static str = "lamp sampling";
-    /// What orders add that a [truncated](crate::solve::Report::truncated) series left out; 0 for other answers, of which `solver` tells what they lack.
+    /// What orders add that a [truncated](crate::solve::Report::truncated) series left out; 0 for other
+    /// answers, of which `solver` tells what they lack.
     pub const TRUNCATION: &'static str = "truncation";
 }
 
@@ -150,7 +153,8 @@ impl ErrorBars {
         let sure = by_solver + ROUNDING * report.condition;
         let upper95 = (insight.at_most() * by_mesh).hypot(noise_at_most * by_noise)
             + if sure.is_finite() || report.truncated { sure } else { 0.0 };
-        // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have, and what is left out.
+        // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have, and
+        // what is left out.
         let bar = |h: f64, variance: f64, by_mesh_here: f64, c: usize| {
             let left_out = if report.truncated { left_out[c] } else { 0.0 };
             (variance + by_mesh_here.powi(2) + (COMMON * by_mesh * h).powi(2) + left_out.powi(2)).sqrt()
@@ -171,7 +175,8 @@ impl ErrorBars {
     }
 }
 
-/// What a solver may have left out, per channel, as root mean square over area of what it may have over étendue.
+/// What a solver may have left out, per channel, as root mean square over area of what it may have over
+/// étendue.
 fn left_out(patches: &Patches, missing: &[f64]) -> Vec<f64> {
     let (areas, etendues) = (patches.areas(), patches.etendues());
     let sum = |values: &[f64]| values.iter().sum::<f64>();
