@@ -245,8 +245,13 @@ fn the_program_names_truncation_where_it_leads() {
     for order in ["0", "1", "2", "8"] {
         let (text, json) = solved(folder.folder(), &["--solver", "neumann", "--order", order]);
         let line = text.lines().find(|line| line.starts_with("error ")).unwrap();
-        assert!(line.contains("truncat") || line.contains("no light has arrived yet at order 0"), "{line}");
-        assert!(line.contains("--order ") && line.contains("--solver auto"), "{line}");
+        let leads = match order {
+            "0" => "no light has arrived yet at order 0",
+            "1" | "2" => "mostly truncation at order",
+            _ => "mostly",
+        };
+        assert!(line.contains(leads), "{line}");
+        assert!(line.contains("--order ") && line.contains("--solver auto") || order == "8", "{line}");
         assert!(!is_odd(line), "{line}");
         assert!(
             json["solver"]["truncated"].as_bool().unwrap() && json["series"]["truncated"].as_bool().unwrap()
