@@ -32,6 +32,7 @@ mod saved_factors; // what may change around saved form factors, and what may no
 mod sheets; // blinds and lampshades: closed forms, energy, every solver, light paths, bad input
 mod sidedness; // turned lamps and their backs, lights without area on surfaces
 mod slack; // rows that cannot be closed: they fail by themselves, and what they lack is accounted for
+mod stopping; // iterations end by light, whatever lamps and rooms; truncated answers say so
 mod structure; // modules import only from their left
 mod study; // accuracy against time: errors that fall, noise that is called noise, studies that resume
 mod textures; // pictures on surfaces: averages, light paths, renderings, files
