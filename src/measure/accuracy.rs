@@ -327,9 +327,6 @@ impl<'s> Search<'_, 's> {
             energy: &Energy::of(&k, &sources, &solution.radiance, patches.unit_of_area()),
             budget: Some(&budget),
             tolerance: options.tolerance,
-            order: usize::MAX,
-            overlapping: &[],
-            disagreeing: &[],
         });
         let noise = budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS));
         let step = AccuracyStep {

@@ -85,6 +85,10 @@ pub struct SeriesSummary {
     pub order: usize,
     /// ‖E − (I − K)L‖∞ / ‖E‖∞.
     pub residual: f64,
+    /// The part of the flux that is still on its way, as in [`Report::remaining_flux`].
+    pub remaining_flux: f64,
+    /// Whether it ended at its highest order before it met the tolerance.
+    pub truncated: bool,
     /// Bound on the relative error, as in [`Report::bound`].
     pub bound: f64,
     /// ‖L − L_solver‖∞ / ‖L_solver‖∞, how far the two solvers are apart.
@@ -102,6 +106,8 @@ pub struct BounceSummary {
     pub flux: [f64; 3],
     /// Relative residual of the sum up to here.
     pub residual: f64,
+    /// The part of the flux that the next order adds.
+    pub remaining_flux: f64,
     /// Bound on the relative error of the sum up to here, as in [`Report::bound`].
     pub bound: f64,
 }
@@ -113,19 +119,18 @@ impl SeriesSummary {
             order: b.order,
             flux: to_rgb(&b.flux).map(|flux| flux * unit),
             residual: b.residual,
+            remaining_flux: b.remaining_flux,
             bound: b.bound,
         });
         let (l, report) = (&series.solution.radiance, &series.solution.report);
-        // Where nothing shines or reflects, both are 0 and agree.
-        let difference = match (l - &solution.radiance).amax() {
-            0.0 => 0.0,
-            difference => difference / solution.radiance.amax(),
-        };
+        let difference = (l - &solution.radiance).amax();
         Self {
             order: series.order(),
             residual: report.residual,
+            remaining_flux: report.remaining_flux,
+            truncated: report.truncated,
             bound: report.bound,
-            difference,
+            difference: if difference == 0.0 { 0.0 } else { difference / solution.radiance.amax() },
             bounces: bounces.collect(),
         }
     }

@@ -11,8 +11,9 @@
 
 use nalgebra::DMatrix;
 
-use super::symmetric::{Root, iterate};
-use super::{CgOptions, SolveError, bounce, relative};
+use super::conjugate_gradient::roughly;
+use super::symmetric::Root;
+use super::{CgOptions, SolveError, relative};
 use crate::patches::Basis;
 use crate::progress::Progress;
 use crate::transport::{Transport, ends_of_spectrum, uneven};
@@ -46,9 +47,7 @@ impl Amplification {
             return Self::estimate(k, options.progress);
         }
         let ones = DMatrix::repeat(k.len(), k.channels(), 1.0);
-        let rough = CgOptions { tolerance: 0.05, ..*options };
-        let (w, ..) = iterate(k, &ones, &rough)?;
-        Ok(Self::from_rough(k, w))
+        Ok(Self::from_rough(k, roughly(k, &ones, 0.05, options.progress)?))
     }
 
     /// What is known already, or a new bound.
@@ -91,14 +90,15 @@ impl Amplification {
     pub(super) fn from_rough(k: &Transport, mut w: DMatrix<f64>) -> Self {
         let ones = DMatrix::repeat(k.len(), k.channels(), 1.0);
         let norm = k.norm();
-        let mut residual = bounce(k, &ones, &w).1 - &w;
+        let left = |w: &DMatrix<f64>| &ones + k.reflect(&k.irradiance(w)) - w;
+        let mut residual = left(&w);
         // Too rough to bound anything: a few plain bounces shrink what is left.
         for _ in 0..50 {
             if residual.amax() < 0.5 {
                 break;
             }
             w += &residual;
-            residual = bounce(k, &ones, &w).1 - &w;
+            residual = left(&w);
         }
         let inverse_norm = (0..k.channels())
             .map(|c| {

@@ -4,17 +4,27 @@
 //! L = E + R y. All channels go through the matrix in one pass. Sheets that let through more than they reflect make the form indefinite; there
 //! MINRES takes its place, under the same options.
 
+use std::f64::consts::PI;
+
 use nalgebra::DMatrix;
 
-use super::symmetric::{self, Root, Target};
-use super::{Amplification, Solution, SolveError, finish};
+use super::stopping::{Answer, Goals, Rule};
+use super::symmetric::{self, Root};
+use super::{Amplification, Solution, SolveError, check_finite};
 use crate::progress::Progress;
 use crate::transport::Transport;
+
+/// Refinement that leaves more than this part of what was too much makes no headway.
+const STUCK: f64 = 0.5;
+
+/// Passes that it takes to judge an answer.
+const JUDGED: usize = 2;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
 pub struct CgOptions<'a> {
-    /// Relative residual ‖E − (I − K)L‖∞ / ‖E‖∞ to reach.
+    /// The part of the flux, and of the irradiance, that may be missing: the [rule](super#tolerance) that all
+    /// iterations share. 0 asks for all that rounding leaves.
     pub tolerance: f64,
     /// The most passes over the matrix.
     pub iterations: usize,
@@ -25,7 +35,7 @@ pub struct CgOptions<'a> {
 }
 
 impl Default for CgOptions<'_> {
-    /// A residual of 10⁻⁶ within 5000 passes.
+    /// A tolerance of 10⁻⁶ within 5000 passes.
     fn default() -> Self {
         Self { tolerance: 1e-6, iterations: 5000, amplification: None, progress: Progress::default() }
     }
@@ -33,8 +43,11 @@ impl Default for CgOptions<'_> {
 
 /// Solves L = E + K L by conjugate gradients, or by MINRES where sheets let through more than they reflect.
 ///
+/// Iterations go by a residual that they carry along. When it is small enough the true residual is computed
+/// anew, and where that does not fulfil the rule yet, what is left is solved for in the same way.
+///
 /// # Errors
-/// `NotConverged`, with the best iterate, or `Cancelled`.
+/// `NotConverged`, with the best iterate, `NotFinite`, or `Cancelled`.
 ///
 /// # Panics
 /// If `e` is not N × c.
@@ -43,57 +56,98 @@ pub fn conjugate_gradients(
     e: &DMatrix<f64>,
     options: &CgOptions,
 ) -> Result<Solution, SolveError> {
+    assert_eq!(e.shape(), (k.len(), k.channels()), "the right-hand side is N × c");
+    check_finite(k, e)?;
+    let &CgOptions { tolerance, iterations, progress, .. } = options;
     let amplification = Amplification::known_or_new(options.amplification, k, options)?;
-    let (radiance, iterations, name) = symmetric::iterate(k, e, options)?;
-    let solution = finish(k, e, &radiance, (name, iterations), &amplification);
-    options.progress.at("solve", 1.0)?;
-    if solution.report.residual > options.tolerance {
-        return Err(SolveError::NotConverged { best: Box::new(solution), tolerance: options.tolerance });
+    let rule = Rule::new(k, e, &amplification, tolerance);
+    let root = Root::new(k);
+    let mut through = DMatrix::zeros(k.len(), k.channels());
+    k.through(e, &mut through);
+    let mut direct = through.clone();
+    k.mass().solve(&mut direct, PI);
+    let (reflected, mut passes) =
+        symmetric::iterate(&root, &through, rule.goals(&direct), (iterations, progress))?;
+    let mut answer = Answer::after(k, e, &reflected);
+    let mut excess = rule.excess(&answer);
+    while excess > 1.0 && passes + JUDGED < iterations {
+        k.through(&answer.residual, &mut through);
+        let left = (iterations - passes - JUDGED, progress);
+        let (more, taken) = symmetric::iterate(&root, &through, rule.goals(&answer.irradiance), left)?;
+        let reflected = &answer.reflected + &answer.residual + more;
+        passes += taken + JUDGED;
+        let refined = Answer::after(k, e, &reflected);
+        let (before, now) = (excess, rule.excess(&refined));
+        if now < before {
+            (answer, excess) = (refined, now);
+        }
+        if now > STUCK * before {
+            break;
+        }
+    }
+    let has_converged = excess <= 1.0 || rule.is_rounding(&answer);
+    let report = answer.judge(k, e, (root.method(), passes), &amplification);
+    let solution = Solution { radiance: e + answer.reflected, irradiance: answer.irradiance, report };
+    progress.at("solve", 1.0)?;
+    check_finite(k, &solution.radiance)?;
+    if !has_converged {
+        return Err(SolveError::NotConverged { best: Box::new(solution), tolerance });
     }
     Ok(solution)
 }
 
-/// The radiance L = E + K L to a relative residual, without judging it.
+/// The radiance L = E + K L up to a residual that is this part of E in flux and in ‖·‖∞, without judging it.
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn roughly(k: &Transport, e: &DMatrix<f64>, tolerance: f64) -> Result<DMatrix<f64>, SolveError> {
-    Ok(symmetric::iterate(k, e, &CgOptions { tolerance, ..Default::default() })?.0)
-}
-
-/// Iterates until the residual of L = E + R y is small in every channel; answers L and the number of passes.
-pub(super) fn iterate(
-    root: &Root,
+pub(crate) fn roughly(
     k: &Transport,
     e: &DMatrix<f64>,
-    options: &CgOptions,
-) -> Result<(DMatrix<f64>, usize), SolveError> {
-    let (n, channels) = e.shape();
-    assert_eq!((n, channels), (k.len(), k.channels()), "the right-hand side is N × c");
-    let mut target = Target::new(e, options.tolerance);
-    let mut through = DMatrix::zeros(n, channels);
+    tolerance: f64,
+    progress: Progress,
+) -> Result<DMatrix<f64>, SolveError> {
+    let iterations = CgOptions::default().iterations;
+    let mut through = DMatrix::zeros(k.len(), k.channels());
     k.through(e, &mut through);
+    let goals = Goals::relative(k, e, tolerance);
+    let (reflected, _) = symmetric::iterate(&Root::new(k), &through, goals, (iterations, progress))?;
+    Ok(e + reflected)
+}
+
+/// Iterates until the residual of L = E + R y meets the goals; answers R y and the number of passes, that for
+/// `through` = S E among them.
+pub(super) fn iterate(
+    root: &Root,
+    through: &DMatrix<f64>,
+    goals: Goals,
+    (iterations, progress): (usize, Progress),
+) -> Result<(DMatrix<f64>, usize), SolveError> {
+    let (n, channels) = through.shape();
+    let mut r = root.transposed_times(through);
+    // The residual of L is R r, for J = I.
+    let mut goals = goals.starting_from(&root.times(&r));
+    let mut through = DMatrix::zeros(n, channels);
     let mut passes = 1;
-    let mut r = root.transposed_times(&through);
     let mut y = DMatrix::zeros(n, channels);
     let mut p = r.clone();
     let mut rr: Vec<f64> = r.column_iter().map(|column| column.norm_squared()).collect();
-    while passes < options.iterations {
-        // The residual of L is R r, for J = I.
-        let offs: Vec<f64> = root.times(&r).column_iter().map(|column| column.amax()).collect();
-        if target.is_reached(&offs) {
+    while passes < iterations {
+        let excesses = goals.excesses(&root.times(&r));
+        if excesses.iter().all(|&excess| excess <= 1.0) {
             break;
         }
-        target.report(&offs, options.progress)?;
+        goals.report(&excesses, progress)?;
         // q = (I − RᵀSR) p
-        k.through(&root.times(&p), &mut through);
+        root.operator().through(&root.times(&p), &mut through);
         passes += 1;
         let q = &p - root.transposed_times(&through);
+        let mut moved = false;
         for c in 0..channels {
             let curvature = p.column(c).dot(&q.column(c));
-            if target.is_met(c, offs[c]) || curvature <= 0.0 {
+            if excesses[c] <= 1.0 || curvature <= 0.0 {
                 continue;
             }
+            moved = true;
             let alpha = rr[c] / curvature;
             y.column_mut(c).axpy(alpha, &p.column(c), 1.0);
             r.column_mut(c).axpy(-alpha, &q.column(c), 1.0);
@@ -102,6 +156,9 @@ pub(super) fn iterate(
             rr[c] = next;
             p.column_mut(c).axpy(1.0, &r.column(c), beta);
         }
+        if !moved {
+            break;
+        }
     }
-    Ok((e + root.times(&y), passes))
+    Ok((root.times(&y), passes))
 }

@@ -10,8 +10,9 @@ use faer::linalg::cholesky::{ldlt, llt};
 use faer::{MatMut, MatRef, Par};
 use nalgebra::DMatrix;
 
+use super::stopping::Answer;
 use super::symmetric::Root;
-use super::{Amplification, Solution, SolveError, finish};
+use super::{Amplification, Solution, SolveError};
 use crate::patches::{Basis, Sheets};
 use crate::progress::Progress;
 use crate::transport::{Transport, is_quickly_factored};
@@ -79,7 +80,8 @@ pub fn direct<'k>(k: &'k Transport<'k>, options: &DirectOptions) -> Result<Direc
     let ones = DMatrix::repeat(n, k.channels(), 1.0);
     let amplification = match k.basis() {
         Basis::Constant => {
-            Amplification::from_rough(k, back_substitute(k, &root, &factors, &factor_of, &ones))
+            let reflected = back_substitute(k, &root, &factors, &factor_of, &ones);
+            Amplification::from_rough(k, ones + reflected)
         }
         Basis::Linear => Amplification::estimate(k, options.progress)?,
     };
@@ -95,11 +97,13 @@ impl Direct<'_> {
         assert_eq!(e.shape(), (self.k.len(), self.k.channels()), "the right-hand side is N × c");
         let substitute =
             |e: &DMatrix<f64>| back_substitute(self.k, &self.root, &self.factors, &self.factor_of, e);
-        let radiance = substitute(e);
+        let reflected = substitute(e);
         // Refine once: solve for what the residual says is left.
-        let residual = e + self.k.reflect(&self.k.irradiance(&radiance)) - &radiance;
-        let radiance = radiance + substitute(&residual);
-        finish(self.k, e, &radiance, ("direct", 0), &self.amplification)
+        let residual = self.k.reflect(&self.k.irradiance(&(e + &reflected))) - &reflected;
+        let reflected = reflected + &residual + substitute(&residual);
+        let answer = Answer::after(self.k, e, &reflected);
+        let report = answer.judge(self.k, e, ("direct", 0), &self.amplification);
+        Solution { radiance: e + answer.reflected, irradiance: answer.irradiance, report }
     }
 
     /// The irradiance of L = E + K L, as exact as the factors are: neither refined nor judged, for answers that need not be.
@@ -108,7 +112,7 @@ impl Direct<'_> {
     /// If `e` is not N × c.
     pub(crate) fn irradiance(&self, e: &DMatrix<f64>) -> DMatrix<f64> {
         assert_eq!(e.shape(), (self.k.len(), self.k.channels()), "the right-hand side is N × c");
-        self.k.irradiance(&back_substitute(self.k, &self.root, &self.factors, &self.factor_of, e))
+        self.k.irradiance(&(e + back_substitute(self.k, &self.root, &self.factors, &self.factor_of, e)))
     }
 
     /// Number of factorizations: one per distinct ρ.
@@ -195,7 +199,7 @@ fn signed(mut matrix: DMatrix<f64>, signs: &[i8]) -> Result<DMatrix<f64>, usize>
     }
 }
 
-/// L = E + R y with y from the factors of its channel.
+/// R y of L = E + R y, with y from the factors of its channel.
 fn back_substitute(
     k: &Transport,
     root: &Root,
@@ -225,5 +229,5 @@ fn back_substitute(
             }
         }
     }
-    e + root.times(&y)
+    root.times(&y)
 }

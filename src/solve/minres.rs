@@ -8,9 +8,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::SolveError;
-use super::conjugate_gradient::CgOptions;
-use super::symmetric::{Root, Target};
-use crate::transport::Transport;
+use super::stopping::Goals;
+use super::symmetric::Root;
+use crate::progress::Progress;
 
 /// What a channel carries from step to step.
 struct Channel {
@@ -80,45 +80,46 @@ impl Channel {
     }
 }
 
-/// Iterates until the residual of L = E + R y is small in every channel; answers L and the number of passes.
+/// Iterates until the residual of L = E + R y meets the goals; answers R y and the number of passes, that for
+/// `through` = S E among them.
 pub(super) fn iterate(
     root: &Root,
-    k: &Transport,
-    e: &DMatrix<f64>,
-    options: &CgOptions,
+    through: &DMatrix<f64>,
+    goals: Goals,
+    (iterations, progress): (usize, Progress),
 ) -> Result<(DMatrix<f64>, usize), SolveError> {
-    let (n, channels) = e.shape();
-    assert_eq!((n, channels), (k.len(), k.channels()), "the right-hand side is N × c");
-    let mut target = Target::new(e, options.tolerance);
-    let mut through = DMatrix::zeros(n, channels);
-    k.through(e, &mut through);
-    let mut passes = 1;
-    let b = root.transposed_times(&through);
+    let b = root.transposed_times(through);
     let mut of: Vec<Channel> = b.column_iter().map(|column| Channel::new(column.clone_owned())).collect();
     let gathered = |of: &[Channel], part: fn(&Channel) -> &DVector<f64>| {
         DMatrix::from_columns(&of.iter().map(|channel| part(channel).clone()).collect::<Vec<_>>())
     };
-    while passes < options.iterations {
-        // The residual of L is R J r.
-        let mut r = gathered(&of, |channel| &channel.r);
+    // The residual of L is R J r.
+    let residual = |of: &[Channel]| {
+        let mut r = gathered(of, |channel| &channel.r);
         root.sign(&mut r);
-        let offs: Vec<f64> = root.times(&r).column_iter().map(|column| column.amax()).collect();
-        let goes_on = |(c, channel): (usize, &Channel)| !target.is_met(c, offs[c]) && channel.eta != 0.0;
-        if target.is_reached(&offs) || !of.iter().enumerate().any(goes_on) {
+        root.times(&r)
+    };
+    let mut goals = goals.starting_from(&residual(&of));
+    let mut through = DMatrix::zeros(b.nrows(), b.ncols());
+    let mut passes = 1;
+    while passes < iterations {
+        let excesses = goals.excesses(&residual(&of));
+        let goes_on = |(c, channel): (usize, &Channel)| excesses[c] > 1.0 && channel.eta != 0.0;
+        if !of.iter().enumerate().any(goes_on) {
             break;
         }
-        target.report(&offs, options.progress)?;
+        goals.report(&excesses, progress)?;
         // q = (J − RᵀSR) v
         let mut v = gathered(&of, |channel| &channel.v[0]);
-        k.through(&root.times(&v), &mut through);
+        root.operator().through(&root.times(&v), &mut through);
         passes += 1;
         root.sign(&mut v);
         let q = v - root.transposed_times(&through);
         for (c, channel) in of.iter_mut().enumerate() {
-            if !target.is_met(c, offs[c]) && channel.eta != 0.0 {
+            if excesses[c] > 1.0 && channel.eta != 0.0 {
                 channel.step(q.column(c).clone_owned());
             }
         }
     }
-    Ok((e + root.times(&gathered(&of, |channel| &channel.y)), passes))
+    Ok((root.times(&gathered(&of, |channel| &channel.y)), passes))
 }

@@ -7,12 +7,28 @@
 //! | [`neumann()`] | E + KE + K²E + …, a bounce of light each | to see how light builds up |
 //!
 //! Each takes the operator and the right-hand side E (N × c, a row per coefficient) and answers a [`Solution`] that carries its own [`Report`].
+//!
+//! # Tolerance
+//!
+//! Iterations end, in every channel, when with tolerance t
+//!
+//! - the flux that is still on its way is small: π Σ A |r| ≤ t Φ with the residual r = E − (I − K) L and the
+//!   flux Φ = π Σ A E that starts;
+//! - no irradiance H lacks much: ‖π F L − H‖∞ + π max w ‖r‖∞, which bounds what H lacks anywhere
+//!   ([`Amplification`]), is no more than t times the root mean square of H over all surfaces, nor than 10 t
+//!   times the least H or a thousandth of that root mean square, whichever is more.
+//!
+//! Both are of light where it arrives: how bright a lamp is, or how small, does not matter. A tolerance that
+//! rounding does not let through counts as met where ‖π F L − H‖∞ ≤ 10⁻¹⁴ ‖H‖∞. E = Lₑ + ρH₀/π has of lights
+//! without area what surfaces reflect: against all that these send out, and all the irradiance they cause,
+//! what is missing is a smaller part yet.
 
 mod amplification;
 mod conjugate_gradient;
 mod direct;
 mod minres;
 mod neumann;
+mod stopping;
 mod symmetric;
 mod turns;
 
@@ -83,6 +99,9 @@ pub struct Report {
     pub iterations: usize,
     /// ‖E − (I − K)L‖∞ / ‖E‖∞, recomputed from the answer; the largest over channels.
     pub residual: f64,
+    /// The part of the flux that is still on its way: π Σ A |E − (I − K)L| / π Σ A E, the largest over
+    /// channels.
+    pub remaining_flux: f64,
     /// Bound on the relative error ‖error‖ / ‖L‖ for this operator, the largest over channels. For constant elements the norm
     /// is ‖·‖∞, for linear ones it is √(∫ L² dA).
     pub bound: f64,
@@ -90,6 +109,12 @@ pub struct Report {
     pub condition: f64,
     /// Whether these two bounds are guaranteed.
     pub certainty: Certainty,
+    /// Whether this is a series that ended at its highest order before it met the tolerance.
+    pub truncated: bool,
+    /// Bound on what the irradiance lacks, as root mean square over all surfaces (by area; by étendue where
+    /// that differs), per channel, W·m⁻². As certain as the other bounds.
+    #[serde(skip)]
+    pub missing: Vec<f64>,
 }
 
 /// Why there is no solution.
@@ -119,14 +144,23 @@ pub enum SolveError {
     },
     /// The tolerance was not met.
     #[error(
-        "{} did not reach residual {tolerance:.1e} in {} iterations (it stands at {:.1e}); raise --tolerance, or use --solver direct",
-        best.report.name, best.report.iterations, best.report.residual
+        "{} did not meet tolerance {tolerance:.1e} in {} iterations ({:.1e} of the flux is still on its way); raise --tolerance, or use --solver direct",
+        best.report.name, best.report.iterations, best.report.remaining_flux
     )]
     NotConverged {
         /// The best that was found.
         best: Box<Solution>,
         /// What was asked for.
         tolerance: f64,
+    },
+    /// Light is not finite: what lamps emit is too much for numbers, or reflectances leave the matrix all but
+    /// singular.
+    #[error(
+        "the light of patch {patch} is not a finite number; lower what lamps emit, or reflectances too close to 1"
+    )]
+    NotFinite {
+        /// The first such patch.
+        patch: usize,
     },
     /// The observer asked to stop.
     #[error(transparent)]
@@ -152,7 +186,7 @@ pub enum Method {
 pub struct SolveOptions<'a> {
     /// Which solver to take.
     pub method: Method,
-    /// Relative residual of the iterative ones.
+    /// The [tolerance](self#tolerance) of the iterative ones.
     pub tolerance: f64,
     /// The highest order of the series.
     pub order: usize,
@@ -165,7 +199,7 @@ pub struct SolveOptions<'a> {
 }
 
 impl Default for SolveOptions<'_> {
-    /// The automatic choice, a residual of 10⁻⁶, order 1000, 4 GiB.
+    /// The automatic choice, a tolerance of 10⁻⁶, order 1000, 4 GiB.
     fn default() -> Self {
         let (NeumannOptions { order, tolerance, .. }, DirectOptions { memory, .. }) = Default::default();
         Self {
@@ -213,61 +247,22 @@ pub fn solve_all(
         Method::Auto | Method::Direct => {
             let factored = direct(k, &DirectOptions { memory, progress })?;
             progress.at("solve", 0.0)?;
-            Ok(all.map(|e| factored.solve(e)).collect())
+            all.map(|e| {
+                check_finite(k, e)?;
+                let solution = factored.solve(e);
+                check_finite(k, &solution.radiance).map(|()| solution)
+            })
+            .collect()
         }
     }
 }
 
-/// One fixed-point step from radiance `l`: the irradiance it causes, and the radiance that this irradiance causes.
-fn bounce(k: &Transport, e: &DMatrix<f64>, l: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
-    let irradiance = k.irradiance(l);
-    let radiance = e + k.reflect(&irradiance);
-    (irradiance, radiance)
-}
-
-/// Makes a solution of a radiance that is all but solved: takes one more step, so that radiance and irradiance belong
-/// together row by row, and judges what comes out by its true residual.
-fn finish(
-    k: &Transport,
-    e: &DMatrix<f64>,
-    radiance: &DMatrix<f64>,
-    (name, iterations): (&'static str, usize),
-    amplification: &Amplification,
-) -> Solution {
-    let (irradiance, radiance) = bounce(k, e, radiance);
-    let (_, next) = bounce(k, e, &radiance);
-    let report = judge(k, (name, iterations), e, &radiance, &(next - &radiance), amplification);
-    Solution { radiance, irradiance, report }
-}
-
-/// Judges radiance `l` by its residual r = E − (I − K)L.
-fn judge(
-    k: &Transport,
-    (name, iterations): (&'static str, usize),
-    e: &DMatrix<f64>,
-    l: &DMatrix<f64>,
-    r: &DMatrix<f64>,
-    amplification: &Amplification,
-) -> Report {
-    let bound = (0..e.ncols())
-        .map(|c| {
-            let size = |x: &DMatrix<f64>| amplification.size(k, x, c);
-            relative(amplification.of(c) * size(r), size(l))
-        })
-        .fold(0.0, f64::max);
-    Report {
-        name,
-        iterations,
-        residual: relative_residual(r, e),
-        bound,
-        condition: amplification.condition(),
-        certainty: amplification.certainty(),
-    }
-}
-
-/// max over channels of ‖r‖∞ / ‖e‖∞.
-fn relative_residual(r: &DMatrix<f64>, e: &DMatrix<f64>) -> f64 {
-    (0..e.ncols()).map(|c| relative(r.column(c).amax(), e.column(c).amax())).fold(0.0, f64::max)
+/// Makes sure that light is finite.
+fn check_finite(k: &Transport, light: &DMatrix<f64>) -> Result<(), SolveError> {
+    let each = k.basis().coefficients();
+    let odd = |light: &f64| !light.is_finite();
+    let patch = light.column_iter().find_map(|column| column.iter().position(odd)).map(|i| i / each);
+    patch.map_or(Ok(()), |patch| Err(SolveError::NotFinite { patch }))
 }
 
 /// a / b, where nothing of nothing is nothing.

@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use super::{Amplification, CgOptions, Report, Solution, SolveError, bounce, judge};
+use super::stopping::{Answer, Rule};
+use super::{Amplification, CgOptions, Report, Solution, SolveError, check_finite};
 use crate::patches::Basis;
 use crate::progress::Progress;
 use crate::transport::Transport;
@@ -14,7 +15,8 @@ use crate::transport::Transport;
 pub struct NeumannOptions<'a> {
     /// The highest order: the series ends with KᵏE for this k at the latest.
     pub order: usize,
-    /// Relative residual ‖E − (I − K)L‖∞ / ‖E‖∞ at which it ends before, from order 1 on; 0 for an exact number of orders.
+    /// The part of the flux, and of the irradiance, that may be missing where it ends before, from order 1
+    /// on: the [rule](super#tolerance) that all iterations share; 0 for an exact number of orders.
     pub tolerance: f64,
     /// What [`Amplification::new`] says of the operator, where that is known already.
     pub amplification: Option<&'a Amplification>,
@@ -23,7 +25,7 @@ pub struct NeumannOptions<'a> {
 }
 
 impl Default for NeumannOptions<'_> {
-    /// A residual of 10⁻⁶, order 1000 at most.
+    /// A tolerance of 10⁻⁶, order 1000 at most.
     fn default() -> Self {
         Self { order: 1000, tolerance: 1e-6, amplification: None, progress: Progress::default() }
     }
@@ -38,6 +40,8 @@ pub struct Bounce {
     pub flux: Vec<f64>,
     /// Relative residual of the sum up to here.
     pub residual: f64,
+    /// The part of the flux that the next order adds, as in [`Report::remaining_flux`].
+    pub remaining_flux: f64,
     /// Bound on the relative error of the sum up to here, as in [`Report::bound`].
     pub bound: f64,
 }
@@ -58,50 +62,57 @@ impl Series {
     }
 }
 
-/// Sums the series until the residual is small enough or the highest order is reached; either is success.
+/// Sums the series until it fulfils the [rule](super#tolerance), from order 1 on, or the highest order is
+/// reached; either is success, and [`Report::truncated`] tells which. With tolerance 0 it goes on to the
+/// highest order, unless nothing at all is left to add.
 ///
 /// The bound of order k is the smaller of q/(1−q)·‖L_k − L_{k−1}‖∞ with q = ‖K‖∞, and ‖r_k‖∞·max w ([`Amplification`]); for linear
 /// elements it is the estimate of the latter alone.
 ///
 /// # Errors
-/// `Cancelled`.
+/// `NotFinite` or `Cancelled`.
 ///
 /// # Panics
 /// If `e` is not N × c.
 pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Result<Series, SolveError> {
     assert_eq!(e.shape(), (k.len(), k.channels()), "the right-hand side is N × c");
+    check_finite(k, e)?;
     let amplification = Amplification::known_or_new(options.amplification, k, &CgOptions::default())?;
+    let rule = Rule::new(k, e, &amplification, options.tolerance);
     let norm = match k.basis() {
         Basis::Constant => k.norm(),
         // M⁻¹S has negative entries, and K·1 tells nothing of its norm.
         Basis::Linear => vec![f64::INFINITY; k.channels()],
     };
     let flux = |l: &DMatrix<f64>| l.column_iter().map(|column| PI * k.mass().sums().dot(&column)).collect();
-    let mut radiance = e.clone();
-    let mut irradiance = DMatrix::zeros(k.len(), k.channels());
+    // Order 0 has no irradiance by definition.
+    let mut answer = Answer::new(k, e, DMatrix::zeros(k.len(), k.channels()));
     let mut added = e.clone();
     let mut bounces: Vec<Bounce> = Vec::new();
+    let mut at_start = None;
     let report = loop {
         // The step to the next order is the residual of this one.
-        let (next_irradiance, next) = bounce(k, e, &radiance);
-        let residual = &next - &radiance;
-        let mut report: Report =
-            judge(k, ("neumann", bounces.len()), e, &radiance, &residual, &amplification);
-        report.bound = report.bound.min(tail_bound(&norm, &added, &radiance));
         let order = bounces.len();
-        bounces.push(Bounce { order, flux: flux(&added), residual: report.residual, bound: report.bound });
+        let mut report = answer.judge(k, e, ("neumann", order), &amplification);
+        report.bound = report.bound.min(tail_bound(&norm, &added, &(e + &answer.reflected)));
+        let Report { residual, remaining_flux, bound, .. } = report;
+        bounces.push(Bounce { order, flux: flux(&added), residual, remaining_flux, bound });
+        let excess = rule.excess(&answer);
         // The irradiance of order 0 is zero by definition; whoever asks for a tolerance wants to see what arrives.
-        let done = report.residual <= options.tolerance && order > 0;
-        if done || order >= options.order {
+        let is_enough = if options.tolerance > 0.0 { excess <= 1.0 } else { answer.residual.amax() == 0.0 };
+        if (is_enough && order > 0) || order >= options.order {
+            report.truncated = excess > 1.0;
             break report;
         }
-        let progress = progress_made(bounces[0].residual, report.residual, options.tolerance);
+        let progress = progress_made(*at_start.get_or_insert(excess), excess);
         options.progress.at("series", progress.max(order as f64 / options.order as f64))?;
-        added = residual;
-        (radiance, irradiance) = (next, next_irradiance);
+        added = answer.residual;
+        answer = Answer::new(k, e, answer.next);
     };
     options.progress.at("series", 1.0)?;
-    Ok(Series { solution: Solution { radiance, irradiance, report }, bounces })
+    let radiance = e + answer.reflected;
+    check_finite(k, &radiance)?;
+    Ok(Series { solution: Solution { radiance, irradiance: answer.irradiance, report }, bounces })
 }
 
 /// The first terms of the series by themselves: E, KE, … up to bounce `last`, n × c each.
@@ -123,11 +134,7 @@ fn tail_bound(norm: &[f64], added: &DMatrix<f64>, sum: &DMatrix<f64>) -> f64 {
     (0..norm.len()).map(of).fold(0.0, f64::max)
 }
 
-/// How far the residual has come from its first value to the tolerance, on a logarithmic scale.
-fn progress_made(first: f64, now: f64, tolerance: f64) -> f64 {
-    if tolerance > 0.0 && first > tolerance {
-        ((first / now).ln() / (first / tolerance).ln()).clamp(0.0, 0.99)
-    } else {
-        0.0
-    }
+/// How far what is missing has come from its first value to what is good enough, on a logarithmic scale.
+fn progress_made(first: f64, now: f64) -> f64 {
+    if first.is_finite() && first > 1.0 { ((first / now).ln() / first.ln()).clamp(0.0, 0.99) } else { 0.0 }
 }

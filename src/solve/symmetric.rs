@@ -16,11 +16,11 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::conjugate_gradient::{self, CgOptions};
+use super::stopping::Goals;
 use super::turns::Turns;
-use super::{SolveError, minres, relative};
+use super::{SolveError, conjugate_gradient, minres};
 use crate::patches::Basis;
-use crate::progress::{Cancelled, Progress};
+use crate::progress::Progress;
 use crate::transport::Transport;
 
 /// R = √ρ M^(−½), or V |Λ|^½ M^(−½) on sheets.
@@ -40,6 +40,11 @@ impl<'k> Root<'k> {
             column.zip_apply(k.mass().sums(), |rho, sum| *rho = (*rho / sum).sqrt());
         }
         Self { k, scale, turns }
+    }
+
+    /// The operator whose root this is.
+    pub fn operator(&self) -> &Transport<'k> {
+        self.k
     }
 
     /// R x.
@@ -81,6 +86,11 @@ impl<'k> Root<'k> {
     /// Whether J = I in all channels, so that the matrix is positive definite.
     pub fn is_definite(&self) -> bool {
         self.turns.as_ref().is_none_or(Turns::are_definite)
+    }
+
+    /// What [`iterate`] is called.
+    pub fn method(&self) -> &'static str {
+        if self.is_definite() { "cg" } else { "minres" }
     }
 
     /// The largest |λ| per channel.
@@ -129,58 +139,18 @@ impl<'k> Root<'k> {
     }
 }
 
-/// How far the residual of L has to fall in every channel.
-pub(super) struct Target {
-    /// ‖residual‖∞ that is small enough, per channel.
-    goal: Vec<f64>,
-    /// How many times too large it was at first.
-    at_start: f64,
-}
-
-impl Target {
-    /// This part of ‖E‖∞.
-    pub fn new(e: &DMatrix<f64>, tolerance: f64) -> Self {
-        let goal = e.column_iter().map(|column| tolerance * column.amax()).collect();
-        Self { goal, at_start: f64::NAN }
-    }
-
-    /// Whether a channel whose residual is this is there.
-    pub fn is_met(&self, channel: usize, off: f64) -> bool {
-        off <= self.goal[channel]
-    }
-
-    /// Whether all are.
-    pub fn is_reached(&self, offs: &[f64]) -> bool {
-        self.worst(offs) <= 1.0
-    }
-
-    /// Tells how much of the way is gone, on a logarithmic scale.
-    pub fn report(&mut self, offs: &[f64], progress: Progress) -> Result<(), Cancelled> {
-        let worst = self.worst(offs);
-        if self.at_start.is_nan() {
-            self.at_start = worst;
-        }
-        progress.at("solve", (1.0 - worst.ln() / self.at_start.ln()).clamp(0.0, 0.99))
-    }
-
-    fn worst(&self, offs: &[f64]) -> f64 {
-        offs.iter().zip(&self.goal).map(|(&off, &goal)| relative(off, goal)).fold(0.0, f64::max)
-    }
-}
-
-/// Solves L = E + K L until the residual is small in every channel, by conjugate gradients where the symmetric form is positive definite and
-/// else by MINRES; answers L, the number of passes, and the method's name.
+/// Iterates on y until the residual of L = E + R y meets the goals, by conjugate gradients where the
+/// symmetric form is positive definite and else by MINRES; answers R y, and the number of passes with that
+/// for `through` = S E. They end, too, after so many passes.
 pub(super) fn iterate(
-    k: &Transport,
-    e: &DMatrix<f64>,
-    options: &CgOptions,
-) -> Result<(DMatrix<f64>, usize, &'static str), SolveError> {
-    let root = Root::new(k);
+    root: &Root,
+    through: &DMatrix<f64>,
+    goals: Goals,
+    limits: (usize, Progress),
+) -> Result<(DMatrix<f64>, usize), SolveError> {
     if root.is_definite() {
-        let (radiance, passes) = conjugate_gradient::iterate(&root, k, e, options)?;
-        Ok((radiance, passes, "cg"))
+        conjugate_gradient::iterate(root, through, goals, limits)
     } else {
-        let (radiance, passes) = minres::iterate(&root, k, e, options)?;
-        Ok((radiance, passes, "minres"))
+        minres::iterate(root, through, goals, limits)
     }
 }

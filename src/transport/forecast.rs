@@ -53,7 +53,7 @@ pub struct Work<'a> {
     pub solving: Solving,
     /// The most bytes that factors may take.
     pub memory: u64,
-    /// The relative residual at which iterations stop.
+    /// The part of light that may be missing when iterations stop.
     pub tolerance: f64,
     /// The highest order of the series.
     pub order: usize,

@@ -31,6 +31,7 @@ mod receivers; // light at points that are no patches, and what is reported in l
 mod saved_factors; // what may change around saved form factors, and what may not
 mod sheets; // blinds and lampshades: closed forms, energy, every solver, light paths, bad input
 mod slack; // rows that cannot be closed: they fail by themselves, and what they lack is accounted for
+mod stopping; // iterations end by light, whatever lamps and rooms; truncated answers say so
 mod structure; // modules import only from their left
 mod study; // accuracy against time: errors that fall, noise that is called noise, studies that resume
 mod textures; // pictures on surfaces: averages, light paths, renderings, files

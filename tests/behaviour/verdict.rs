@@ -8,7 +8,7 @@ use radiosity::scene::{Light, Material, Scene, Side};
 use radiosity::solve::{self, Method, NeumannOptions, Solution, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{
-    Exchange, FormFactors, Keep, LightOptions, Sources, Storage, TraceOptions, Transport,
+    Disagreement, Exchange, FormFactors, Keep, LightOptions, Sources, Storage, TraceOptions, Transport,
 };
 
 use crate::scenes::{flipped, lit_quads, quads, room};
@@ -21,8 +21,6 @@ struct Case<'s> {
     sources: Sources,
     tolerance: f64,
     order: usize,
-    overlapping: Vec<usize>,
-    disagreeing: Vec<usize>,
     budget: Option<ErrorBudget>,
 }
 
@@ -35,17 +33,7 @@ impl<'s> Case<'s> {
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
         let light = LightOptions { rays, ..Default::default() };
         let sources = Sources::trace(&tracer, &patches, basis, &light).unwrap();
-        Self {
-            tracer,
-            patches,
-            factors,
-            sources,
-            tolerance: 1e-6,
-            order: 1000,
-            overlapping: Vec::new(),
-            disagreeing: Vec::new(),
-            budget: None,
-        }
+        Self { tracer, patches, factors, sources, tolerance: 1e-6, order: 1000, budget: None }
     }
 
     fn operator(&self) -> Transport<'_> {
@@ -78,9 +66,6 @@ impl<'s> Case<'s> {
             energy,
             budget: self.budget.as_ref(),
             tolerance: self.tolerance,
-            order: self.order,
-            overlapping: &self.overlapping,
-            disagreeing: &self.disagreeing,
         })
     }
 
@@ -117,6 +102,13 @@ fn only(verdict: &Verdict, cause: Cause, level: Level) -> Reason {
 fn lit_room() -> Scene {
     let walls = room([0.0; 3], [2.0, 3.0, 2.5]).map(|wall| (wall, 0));
     quads(&[&walls[..], &[(LAMP, 1)]].concat(), materials())
+}
+
+/// The same with a rug in the floor's own plane.
+fn room_with_rug() -> Scene {
+    let walls = room([0.0; 3], [2.0, 3.0, 2.5]).map(|wall| (wall, 0));
+    let rug = [[0.5, 0.5, 0.0], [1.5, 0.5, 0.0], [1.5, 2.0, 0.0], [0.5, 2.0, 0.0]];
+    quads(&[&walls[..], &[(LAMP, 1), (rug, 0)]].concat(), materials())
 }
 
 /// A lamp that shines downwards.
@@ -403,32 +395,39 @@ fn a_patch_without_rays_is_named() {
 }
 
 #[test]
-fn faces_that_overlap_or_whose_directions_disagree_are_doubtful() {
+fn faces_that_overlap_are_told_and_do_no_harm() {
+    let scene = room_with_rug();
+    let case = Case::new(&scene, 200, 64, Basis::Constant);
+    let verdict = case.judge(&case.solve(Method::Direct));
+    let reason = only(&verdict, Cause::Overlap, Level::Good);
+    assert!(reason.faces.iter().all(|face| [4, 5, 14, 15].contains(face)), "{reason:?}");
+    assert!(["quad 2", "quad 7"].iter().all(|name| reason.objects.iter().any(|object| object == name)));
+    assert!(reason.power_share.is_some_and(|share| (0.01..1.5).contains(&share)), "{reason:?}");
+}
+
+#[test]
+fn directions_that_disagree_are_doubtful() {
     let scene = lit_room();
     let mut case = Case::new(&scene, 200, 64, Basis::Constant);
-    let solution = case.solve(Method::Direct);
-    case.overlapping = vec![4, 5];
-    let reason = only(&case.judge(&solution), Cause::Overlap, Level::Doubtful);
-    assert!(reason.faces.len() == 2 && reason.objects == ["quad 2"]);
-    assert!(reason.power_share.is_some_and(|share| (0.01..1.0).contains(&share)));
-    case.overlapping.clear();
-    case.disagreeing = vec![7];
-    let reason = only(&case.judge(&solution), Cause::Directions, Level::Doubtful);
-    assert_eq!(reason.faces, [7]);
+    assert_eq!(case.factors.disagreements(), []);
+    let pair = Disagreement { sides: [(7, Side::Front), (2, Side::Front)], z: 6.0 };
+    case.factors = case.factors.clone().with_disagreements(vec![pair]);
+    let reason = only(&case.judge(&case.solve(Method::Direct)), Cause::Directions, Level::Doubtful);
+    assert!(reason.faces.contains(&7) && reason.faces.contains(&2) && reason.faces.len() == 2);
 }
 
 #[test]
 fn a_reason_is_told_in_one_line() {
     let scene = lit_room();
     let mut case = Case::new(&scene, 200, 64, Basis::Constant);
-    case.overlapping = (0..8).collect();
-    let verdict = case.judge(&case.solve(Method::Direct));
-    let line = verdict.reasons[0].to_string();
-    let share = verdict.reasons[0].power_share.unwrap();
-    assert!(
-        line.starts_with(&format!("overlapping faces: {:.0} % of the power, at faces ", 100.0 * share)),
-        "{line}"
-    );
-    assert!(line.contains(" and 5 more of quad ") && line.contains(" and 1 more; remove one"), "{line}");
-    assert!(!line.contains('\n'));
+    let front = |face| (face, Side::Front);
+    let pairs = [[0, 2], [4, 6], [1, 3], [5, 7]];
+    let pairs = pairs.map(|pair| Disagreement { sides: pair.map(front), z: 9.0 });
+    case.factors = case.factors.clone().with_disagreements(pairs.to_vec());
+    let reason = only(&case.judge(&case.solve(Method::Direct)), Cause::Directions, Level::Doubtful);
+    let line = reason.to_string();
+    let [a, b, c, ..] = reason.faces[..] else { panic!("{reason:?}") };
+    assert!(line.starts_with("directions that disagree: "), "{line}");
+    assert!(line.contains(&format!(" % of the power, at faces {a}, {b}, {c} and 5 more of quad ")), "{line}");
+    assert!(line.ends_with(&format!(" and 1 more; {}", reason.remedy)) && !line.contains('\n'), "{line}");
 }

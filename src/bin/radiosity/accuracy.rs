@@ -5,6 +5,7 @@ use std::time::Duration;
 use radiosity::measure::{
     self, AccuracyStep, Accurate, Ending, ErrorBudget, ErrorPart, Goal, Resource, Tolerated,
 };
+use radiosity::output::SeriesSummary;
 use radiosity::patches::Patches;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep};
@@ -120,17 +121,48 @@ fn shortfall(of: Resource, needed: measure::Setting, seconds: f64) -> String {
     }
 }
 
-/// How wrong the answer is, and what would help: the line that matters.
-pub fn error_line(budget: &ErrorBudget, seconds: f64) -> String {
+/// How wrong the answer is, and what would help: the line that matters. `seconds` is what the answer took,
+/// and `series` what is known of a truncated one.
+pub fn error_line(budget: &ErrorBudget, seconds: f64, series: &SeriesSummary) -> String {
     let noise = budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS));
     let mesh = budget.part(ErrorPart::MESH);
+    let truncation = budget.part(ErrorPart::TRUNCATION);
     // With four times the patches each face has four times the rays too.
-    let remedy = if mesh > noise {
+    let remedy = if truncation > mesh.max(noise) {
+        truncated(truncation / mesh.hypot(noise).max(WELL), budget.irradiance, series)
+    } else if mesh > noise {
         format!("mostly mesh; 4 × the patches would about halve it, in {}", duration(4.0 * seconds))
     } else {
         format!("mostly noise; 4 × the rays would about halve it, in {}", duration(4.0 * seconds))
     };
-    format!("± {} % by face (95 %), {remedy}", percent(budget.upper95))
+    if budget.upper95.is_finite() {
+        format!("± {} % by face (95 %), {remedy}", percent(budget.upper95))
+    } else {
+        format!("by face unknown, {remedy}")
+    }
+}
+
+/// Truncation is well below other errors at this part of the answer where there are none.
+const WELL: f64 = 1e-3;
+
+/// What a truncated series lacks, and how many orders would make it so many times less.
+fn truncated(excess: f64, irradiance: f64, series: &SeriesSummary) -> String {
+    let order = series.order;
+    let of = |order: usize| series.bounces.get(order).map_or(1.0, |bounce| bounce.remaining_flux);
+    // Each order passes on about the same part of what arrives.
+    let passed_on = if order == 0 { of(0) } else { of(order) / of(order - 1) };
+    let more = (excess.max(1.0).ln() / -passed_on.clamp(0.01, 0.999).ln()).ceil().max(1.0);
+    let remedy = if more.is_finite() {
+        format!("--order {} would do, or --solver auto", order as f64 + more)
+    } else {
+        "use --solver auto".into()
+    };
+    if irradiance == 0.0 {
+        format!("no light has arrived yet at order {order}; {remedy}")
+    } else {
+        let left = percent(series.remaining_flux);
+        format!("mostly truncation at order {order}, with {left} % of the flux still on its way; {remedy}")
+    }
 }
 
 fn duration(seconds: f64) -> String {

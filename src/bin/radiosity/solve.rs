@@ -106,9 +106,6 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         energy: &energy,
         budget: Some(&bars.budget),
         tolerance,
-        order,
-        overlapping: &[],
-        disagreeing: &[],
     });
 
     let mut received = Vec::new();
@@ -239,12 +236,23 @@ fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
             closure.before
         ),
         format!(
-            "solver        {}: residual {:.0e}, {} {:.0e} {} {:.3}",
-            solver.name, solver.residual, bounds[0], solver.bound, bounds[1], solver.condition
+            "solver        {}: residual {:.0e}, {} {} {} {}",
+            solver.name,
+            solver.residual,
+            bounds[0],
+            known(solver.bound, |bound| format!("{bound:.0e}")),
+            bounds[1],
+            known(solver.condition, |condition| format!("{condition:.3}"))
         ),
         format!(
-            "series        order {}: residual {:.0e}, {} {:.0e}; {:.0e} from {}",
-            series.order, series.residual, bounds[0], series.bound, series.difference, solver.name
+            "series        order {}: residual {:.0e}, {:.0e} of the flux left, {} {}; {:.0e} from {}",
+            series.order,
+            series.residual,
+            series.remaining_flux,
+            bounds[0],
+            known(series.bound, |bound| format!("{bound:.0e}")),
+            series.difference,
+            solver.name
         ),
         format!(
             "energy        emitted {} W, absorbed {} W, escaped {} W{}; imbalance {:.0e}",
@@ -277,17 +285,23 @@ fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
     // What a better answer would cost does not depend on pictures and files.
     let stages = summary.stages.iter().filter(|s| !["load", "build", "render", "write"].contains(&s.name));
     let answering: f64 = stages.map(|stage| stage.seconds).sum();
-    lines.insert(1, format!("error         {}", accuracy::error_line(&summary.error, answering)));
+    lines.insert(1, format!("error         {}", accuracy::error_line(&summary.error, answering, series)));
     let told = |order: usize| order <= 5 || order.is_multiple_of(10) || order == series.order;
     lines.extend(series.bounces.iter().filter(|bounce| told(bounce.order)).map(|bounce| {
         let flux = triple(bounce.flux);
-        format!("  {:>5}  {flux:26}   {:.1e}  {:.1e}", bounce.order, bounce.residual, bounce.bound)
+        let bound = known(bounce.bound, |bound| format!("{bound:.1e}"));
+        format!("  {:>5}  {flux:26}   {:.1e}  {bound}", bounce.order, bounce.residual)
     }));
     let seconds: f64 = summary.stages.iter().map(|stage| stage.seconds).sum();
     let long = summary.stages.iter().filter(|stage| stage.seconds >= 0.005);
     let stages: Vec<String> = long.map(|stage| format!("{} {:.2}", stage.name, stage.seconds)).collect();
     lines.push(format!("\n{seconds:.2} s on {} threads: {}", summary.threads, stages.join(", ")));
     lines.join("\n")
+}
+
+/// A bound, where there is one.
+fn known(bound: f64, print: impl Fn(f64) -> String) -> String {
+    if bound.is_finite() { print(bound) } else { "unknown".into() }
 }
 
 /// What ends in mirrors and glass, and what is missing, where anything does or is.

@@ -26,7 +26,10 @@ impl StrictArgs {
 /// Warns of everything that is wrong with an answer, in a line each.
 pub fn warn(verdict: &Verdict, terminal: &Terminal) {
     for reason in &verdict.reasons {
-        terminal.warn(format_args!("{} answer: {reason}", reason.level.name()));
+        match reason.level {
+            Level::Good => terminal.warn(reason),
+            level => terminal.warn(format_args!("{} answer: {reason}", level.name())),
+        }
     }
 }
 

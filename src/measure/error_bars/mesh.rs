@@ -10,6 +10,7 @@ use nalgebra::DMatrix;
 
 use crate::measure::MeasureError;
 use crate::patches::{Basis, Clusters, Patches};
+use crate::progress::Progress;
 use crate::solve::roughly;
 use crate::transport::{FormFactors, Reflection, Sources, Transport};
 
@@ -71,17 +72,19 @@ impl Insight {
 const ROUGHLY: f64 = 0.01;
 
 /// How far irradiance per patch (n × c, W·m⁻²) may be off, with the sign in which coarser elements change it; and how much that tells. `by_patch` are
-/// the form factors with constant elements, radiance and irradiance means over patches.
+/// the form factors with constant elements, radiance and irradiance means over patches, those of the given
+/// order where the series was truncated.
 pub(super) fn mesh_error(
     patches: &Patches,
     [factors, by_patch]: [&FormFactors; 2],
     sources: &Sources,
     [radiance, irradiance]: [&DMatrix<f64>; 2],
+    order: Option<usize>,
 ) -> Result<(DMatrix<f64>, Insight), MeasureError> {
     let basis = factors.basis();
     let light: Vec<f64> = irradiance.row_iter().map(|row| row.sum()).collect();
     let clusters = patches.clusters(together(basis), Some(&light));
-    let change = changed_by(patches, &clusters, by_patch, (basis, sources), [radiance, irradiance])?;
+    let change = changed_by(patches, &clusters, by_patch, (basis, sources), ([radiance, irradiance], order))?;
     let merged = patches.len() as f64 / clusters.count as f64;
     let insight =
         Insight { basis, merged, is_focused: factors.has_caustics() && has_curved_carriers(patches) };
@@ -105,7 +108,7 @@ fn changed_by(
     clusters: &Clusters,
     by_patch: &FormFactors,
     (basis, sources): (Basis, &Sources),
-    [radiance, irradiance]: [&DMatrix<f64>; 2],
+    ([radiance, irradiance], order): ([&DMatrix<f64>; 2], Option<usize>),
 ) -> Result<DMatrix<f64>, MeasureError> {
     let merged = by_patch.merged(&clusters.of_patch, clusters.count);
     let mean = |field: &DMatrix<f64>| patches.average_by(clusters, field);
@@ -116,10 +119,19 @@ fn changed_by(
         spread: Vec::new(),
         carried: None,
     };
-    // What is known is nearly right: only what it lacks is solved for, and that need not be exact.
-    let known = mean(radiance);
-    let lacking = sources.right_hand_side(&k) + k.reflect(&k.irradiance(&known)) - &known;
-    let on_clusters = k.irradiance(&(known + roughly(&k, &lacking, ROUGHLY)?));
+    let e = sources.right_hand_side(&k);
+    let on_clusters = match order {
+        // What is known is nearly right: only what it lacks is solved for, and that need not be exact.
+        None => {
+            let known = mean(radiance);
+            let lacking = e + k.reflect(&k.irradiance(&known)) - &known;
+            k.irradiance(&(known + roughly(&k, &lacking, ROUGHLY, Progress::default())?))
+        }
+        Some(order) => {
+            let nothing = DMatrix::zeros(k.len(), k.channels());
+            (0..order).fold(nothing, |irradiance, _| k.irradiance(&(&e + k.reflect(&irradiance))))
+        }
+    };
     let here = mean(irradiance);
     Ok(match sources.direct {
         Some(direct) => here - direct - on_clusters,

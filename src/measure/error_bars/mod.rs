@@ -1,8 +1,11 @@
 //! Error bars: how wrong an answer may be, told from the answer itself, and where its error comes from.
 //!
 //! Nothing is traced anew. The batches of rays tell the noise of form factors and of light sampling; larger patches, merged from those that there
-//! are, tell what the size of patches does; slack tells what rows of form factors lack that could not be closed; the solver knows its residual. All
-//! but the last are *estimated*: they rest on what errors usually do. The last is *guaranteed* for the operator at hand.
+//! are, tell what the size of patches does; slack tells what rows of form factors lack that could not be closed; the solver knows what it has left
+//! out. All but the last are *estimated*: they rest on what errors usually do. The last is *guaranteed* for the operator at hand.
+//!
+//! Of a series that ended early, order k is held against order k: what later orders add is no error of the
+//! mesh, nor noise, but truncation, a part of its own.
 
 mod mesh;
 mod noise;
@@ -69,9 +72,10 @@ pub struct ErrorBudget {
 /// One source of error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ErrorPart {
-    /// [`ErrorPart::MESH`], [`ErrorPart::RAYS`], [`ErrorPart::LAMPS`], `solver` or `storage`, and [`ErrorPart::SLACK`] where there is any.
+    /// [`ErrorPart::MESH`], [`ErrorPart::RAYS`], [`ErrorPart::LAMPS`], [`ErrorPart::TRUNCATION`], `solver` or
+    /// `storage`, and [`ErrorPart::SLACK`] where there is any.
     pub name: &'static str,
-    /// How large it is, in the norm of the budget; guaranteed parts are bounds in that of [`Report::bound`](crate::solve::Report::bound).
+    /// How large it is, in the norm of the budget. Of an answer without any light, 1 is all that it lacks.
     pub value: f64,
     /// Whether that is guaranteed.
     pub kind: Certainty,
@@ -86,6 +90,9 @@ impl ErrorPart {
     pub const LAMPS: &'static str = "lamp sampling";
     /// Light that rows of form factors lack which could not be closed.
     pub const SLACK: &'static str = "slack";
+    /// What orders add that a [truncated](crate::solve::Report::truncated) series left out; 0 for other
+    /// answers, of which `solver` tells what they lack.
+    pub const TRUNCATION: &'static str = "truncation";
 }
 
 impl ErrorBudget {
@@ -113,10 +120,14 @@ impl ErrorBars {
             [&solution.radiance, &solution.irradiance].map(|field| basis.means(field));
         let of_linear = factors.by_patch();
         let by_patch = of_linear.as_ref().unwrap_or(factors);
-        let noise = Noise::of(patches, factors, by_patch, sources, &radiance)?;
+        let report = &solution.report;
+        let order = report.truncated.then_some(report.iterations);
+        // Nothing that surfaces send out has arrived at order 0.
+        let arriving = if order == Some(0) { 0.0 * &radiance } else { radiance.clone() };
+        let noise = Noise::of(patches, factors, by_patch, sources, &arriving)?;
         progress.at("solve", 0.5)?;
         let (change_by_patch, insight) =
-            mesh::mesh_error(patches, [factors, by_patch], sources, [&radiance, &irradiance])?;
+            mesh::mesh_error(patches, [factors, by_patch], sources, [&radiance, &irradiance], order)?;
         let missing_by_patch = slack::missing(patches, by_patch, [&radiance, &irradiance])?;
         let faces = Faces::new(patches, &irradiance);
         let [rays, lamps] = [&noise.rays, &noise.lamps].map(|batches| faces.batches(batches));
@@ -129,6 +140,9 @@ impl ErrorBars {
         let change_by_merging = faces.relative(|f, c| change[(f, c)].powi(2));
         let less = change_by_merging.powi(2) - (IN_CHANGE * by_noise).powi(2);
         let by_mesh = less.max(0.25 * change_by_merging.powi(2)).sqrt();
+        let left_out = left_out(patches, &report.missing);
+        let by_solver = faces.relative(|_, c| left_out[c].powi(2));
+        let by_truncation = if report.truncated { by_solver } else { 0.0 };
         let missing = missing_by_patch.as_ref().map(|missing| faces.of(missing));
         let missed =
             |missing: &Option<DMatrix<f64>>, at: (usize, usize)| missing.as_ref().map_or(0.0, |m| m[at]);
@@ -137,8 +151,9 @@ impl ErrorBars {
             part(ErrorPart::MESH, by_mesh, Certainty::Estimated),
             part(ErrorPart::RAYS, by_rays, Certainty::Estimated),
             part(ErrorPart::LAMPS, by_lamps, Certainty::Estimated),
-            part("solver", solution.report.bound, solution.report.certainty),
-            part("storage", ROUNDING * solution.report.condition, solution.report.certainty),
+            part(ErrorPart::TRUNCATION, by_truncation, report.certainty),
+            part("solver", if report.truncated { 0.0 } else { by_solver }, report.certainty),
+            part("storage", ROUNDING * report.condition, report.certainty),
         ];
         if missing.is_some() {
             parts.push(part(ErrorPart::SLACK, by_slack, Certainty::Estimated));
@@ -147,35 +162,46 @@ impl ErrorBars {
         let squares: Vec<f64> =
             faces.squares(&rays).iter().zip(faces.squares(&lamps)).map(|(a, b)| a + b).collect();
         let scatter = scatter(&squares);
-        let relative_rms = by_mesh.hypot(by_noise).hypot(by_slack);
+        let relative_rms = by_mesh.hypot(by_noise).hypot(by_slack) + by_truncation;
         let noise_at_most = scatter * noise_at_most(factors.rays(), basis);
-        let sure = solution.report.bound + ROUNDING * solution.report.condition;
+        let sure = by_solver + ROUNDING * report.condition;
         let upper95 = (insight.at_most() * by_mesh).hypot(noise_at_most * by_noise)
             + SLACK_AT_MOST * by_slack
-            + if sure.is_finite() { sure } else { 0.0 };
-        // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have, and what it may miss.
-        let bar = |h: f64, variance: f64, by_mesh_here: f64| {
-            (variance + by_mesh_here.powi(2) + (COMMON * by_mesh * h).powi(2)).sqrt()
+            + if sure.is_finite() || report.truncated { sure } else { 0.0 };
+        // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have, what it may miss, and
+        // what is left out.
+        let bar = |h: f64, variance: f64, by_mesh_here: f64, c: usize| {
+            let left_out = if report.truncated { left_out[c] } else { 0.0 };
+            (variance + by_mesh_here.powi(2) + (COMMON * by_mesh * h).powi(2) + left_out.powi(2)).sqrt()
         };
         let by_face = faces.irradiance.iter().enumerate().map(|(f, row)| {
-            let variance = |c: usize| noise::variance(&rays, (f, c)) + noise::variance(&lamps, (f, c));
-            let of =
-                |c: usize| bar(row.mean[c], variance(c) + missed(&missing, (f, c)).powi(2), change[(f, c)]);
+            let variance = |c: usize| {
+                let missed = missed(&missing, (f, c)).powi(2);
+                noise::variance(&rays, (f, c)) + noise::variance(&lamps, (f, c)) + missed
+            };
+            let of = |c: usize| bar(row.mean[c], variance(c), change[(f, c)], c);
             FaceRow { mean: (0..row.mean.len()).map(of).collect(), ..row.clone() }
         });
         let by_patch = DMatrix::from_fn(irradiance.nrows(), irradiance.ncols(), |i, c| {
             let variance = noise::variance(&noise.rays, (i, c)) + noise::variance(&noise.lamps, (i, c));
-            bar(
-                irradiance[(i, c)],
-                variance + missed(&missing_by_patch, (i, c)).powi(2),
-                change_by_patch[(i, c)],
-            )
+            let variance = variance + missed(&missing_by_patch, (i, c)).powi(2);
+            bar(irradiance[(i, c)], variance, change_by_patch[(i, c)], c)
         });
         let budget =
             ErrorBudget { relative_rms, upper95, irradiance: faces.typical(), parts, insight, scatter };
         progress.at("solve", 1.0)?;
         Ok(Self { patches: by_patch, faces: by_face.collect(), budget })
     }
+}
+
+/// What a solver may have left out, per channel, as root mean square over area of what it may have over
+/// étendue.
+fn left_out(patches: &Patches, missing: &[f64]) -> Vec<f64> {
+    let (areas, etendues) = (patches.areas(), patches.etendues());
+    let sum = |values: &[f64]| values.iter().sum::<f64>();
+    let most = areas.iter().zip(etendues).map(|(area, etendue)| area / etendue).fold(0.0, f64::max);
+    let stretch = if areas.is_empty() { 0.0 } else { (most * sum(etendues) / sum(areas)).sqrt() };
+    missing.iter().map(|missing| stretch * missing).collect()
 }
 
 /// How many times more than its mean over batches the noise may be, in nineteen of twenty cases, told from the squared noise of each.
@@ -228,7 +254,7 @@ impl Faces {
 
     /// ΣA H².
     fn whole(&self) -> f64 {
-        self.sum(|f, c| self.irradiance[f].mean[c].powi(2)).max(f64::MIN_POSITIVE)
+        self.sum(|f, c| self.irradiance[f].mean[c].powi(2))
     }
 
     /// √(ΣA H² / ΣA).
@@ -236,13 +262,17 @@ impl Faces {
         (self.whole() / self.sum(|_, _| 1.0).max(f64::MIN_POSITIVE)).sqrt()
     }
 
-    /// √(ΣA x / ΣA H²).
+    /// √(ΣA x / ΣA H²); where there is no light at all, 1 of what is more than nothing.
     fn relative(&self, squared: impl Fn(usize, usize) -> f64) -> f64 {
-        (self.sum(squared) / self.whole()).sqrt()
+        match (self.sum(squared), self.whole()) {
+            (0.0, _) => 0.0,
+            (_, 0.0) => 1.0,
+            (part, whole) => (part / whole).sqrt(),
+        }
     }
 
     /// Per batch ΣA x² / ΣA H².
     fn squares(&self, batches: &[DMatrix<f64>]) -> Vec<f64> {
-        batches.iter().map(|x| self.sum(|f, c| x[(f, c)].powi(2)) / self.whole()).collect()
+        batches.iter().map(|x| self.relative(|f, c| x[(f, c)].powi(2)).powi(2)).collect()
     }
 }

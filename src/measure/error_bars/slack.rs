@@ -8,6 +8,7 @@ use nalgebra::DMatrix;
 
 use crate::measure::MeasureError;
 use crate::patches::Patches;
+use crate::progress::Progress;
 use crate::solve::roughly;
 use crate::transport::{FormFactors, Reflection, Transport};
 
@@ -51,6 +52,6 @@ pub(super) fn missing(
     let typical: Vec<f64> = (0..channels).map(typical).collect();
     let blind = DMatrix::from_fn(n, channels, |i, c| if share(i, c) < 1.0 - ALL { 0.0 } else { typical[c] });
     let direct = t.component_mul(&k.irradiance(radiance)) + k.irradiance(&t.component_mul(radiance)) + blind;
-    let reflected = roughly(&k, &k.reflect(&direct), ROUGHLY)?;
+    let reflected = roughly(&k, &k.reflect(&direct), ROUGHLY, Progress::default())?;
     Ok(Some(direct + k.irradiance(&reflected)))
 }

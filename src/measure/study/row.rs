@@ -10,7 +10,7 @@ use super::grid::Cell;
 pub enum StudySolver {
     /// Cholesky factors.
     Direct,
-    /// Conjugate gradients, to a relative residual of 10⁻⁶.
+    /// Conjugate gradients, to a tolerance of 10⁻⁶.
     Cg,
     /// The Neumann series, truncated.
     Neumann,

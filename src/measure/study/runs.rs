@@ -109,9 +109,6 @@ pub(super) fn measure_cell(
                     energy: &Energy::of(&k, &sources, &solved.radiance, cut.unit_of_area()),
                     budget: None,
                     tolerance: solve_options.tolerance,
-                    order: solve_options.order,
-                    overlapping: &[],
-                    disagreeing: &[],
                 });
             }
             way.bytes = factors.exchange().bytes();

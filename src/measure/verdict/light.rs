@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 use super::places;
 use super::{Answer, BAD, Cause, DOUBTFUL, Energy, Level, Reason};
 use crate::scene::{Scene, Side};
+use crate::trace::OverlapKind;
 
 /// A patch of less irradiance than this part of the root mean square is dark; its error is relative to that.
 const DARK: f64 = 1e-3;
@@ -25,11 +26,12 @@ pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {
     let mut faces: Vec<usize> = broken.map(|i| answer.patches.place(i / each).face).collect();
     faces.dedup();
     let energy = answer.energy;
-    let terms = [&energy.emitted, &energy.absorbed, &energy.escaped, &energy.carriers, &energy.lost];
-    let mut numbers = terms.into_iter().flatten().copied().chain([energy.imbalance]);
+    let losses = [&energy.absorbed, &energy.escaped, &energy.carriers, &energy.lost, &energy.slack];
+    let mut numbers =
+        losses.into_iter().chain([&energy.emitted]).flatten().copied().chain([energy.imbalance]);
     // Errors relative to no light at all are infinite.
     let errors = answer.budget.map_or([0.0; 2], |budget| [budget.relative_rms, budget.upper95]);
-    let is_wrong = |error: f64| error.is_nan() || error.is_infinite() && !answer.is_truncated();
+    let is_wrong = |error: f64| error.is_nan() || error.is_infinite() && !answer.solution.report.truncated;
     let report = &solution.report;
     let bounds = [report.residual, report.bound, report.condition];
     let not_finite = !faces.is_empty()
@@ -116,7 +118,7 @@ pub(super) fn unsolved(answer: &Answer, residual: &Residual) -> Option<Reason> {
     if *share < answer.exact() && wrong.is_empty() {
         return None;
     }
-    let (cause, level) = match answer.is_truncated() {
+    let (cause, level) = match answer.solution.report.truncated {
         true => (Cause::Truncation, Level::Truncated),
         false => (Cause::Unsolved, Level::of_share(*share, 0.0)),
     };
@@ -125,10 +127,10 @@ pub(super) fn unsolved(answer: &Answer, residual: &Residual) -> Option<Reason> {
 
 /// What is emitted comes to all terms together, but for what the residual and open rows of form factors explain.
 pub(super) fn imbalance(answer: &Answer, explained: f64) -> Option<Reason> {
-    let Energy { emitted, absorbed, escaped, carriers, lost, imbalance } = answer.energy;
+    let Energy { emitted, absorbed, escaped, carriers, lost, slack, imbalance } = answer.energy;
     let off = |c: usize| match emitted[c] {
         0.0 => 0.0,
-        all => ((all - absorbed[c] - escaped[c] - carriers[c] - lost[c]) / all).abs(),
+        all => ((all - absorbed[c] - escaped[c] - carriers[c] - lost[c] - slack[c]) / all).abs(),
     };
     let share = (0..emitted.len()).map(off).fold(*imbalance, f64::max);
     // Without interreflection shadow rays estimate each term by itself, with their noise.
@@ -138,8 +140,22 @@ pub(super) fn imbalance(answer: &Answer, explained: f64) -> Option<Reason> {
         .then(|| Reason::new(Cause::EnergyImbalance, level, Some(share), Vec::new(), answer.tracer.scene()))
 }
 
-/// Faces that were found to be doubtful before, with the light that arrives there.
-pub(super) fn listed(answer: &Answer, cause: Cause, faces: &[usize]) -> Option<Reason> {
+/// Faces that others in their plane with the same front cover.
+pub(super) fn overlaps(answer: &Answer) -> Option<Reason> {
+    let overlaps = answer.tracer.overlaps().iter().filter(|overlap| overlap.kind == OverlapKind::SameFront);
+    let faces: Vec<usize> = overlaps.flat_map(|overlap| overlap.faces).map(|face| face as usize).collect();
+    listed(answer, Cause::Overlap, Level::Good, &faces)
+}
+
+/// Sides of faces whose rays to and fro find different amounts of light.
+pub(super) fn directions(answer: &Answer) -> Option<Reason> {
+    let pairs = answer.operator.factors().disagreements().iter();
+    let faces: Vec<usize> = pairs.flat_map(|pair| pair.sides).map(|(face, _)| face).collect();
+    listed(answer, Cause::Directions, Level::Doubtful, &faces)
+}
+
+/// What is known of some faces, with the light that arrives there.
+fn listed(answer: &Answer, cause: Cause, level: Level, faces: &[usize]) -> Option<Reason> {
     if faces.is_empty() {
         return None;
     }
@@ -148,6 +164,10 @@ pub(super) fn listed(answer: &Answer, cause: Cause, faces: &[usize]) -> Option<R
     let arriving = places::power(answer, &answer.solution.irradiance, 1.0, is_listed);
     let share = arriving.share(&answer.energy.emitted);
     let mut named = arriving.faces();
-    named.extend(faces.iter().filter(|face| !arriving.has(**face)));
-    Some(Reason::new(cause, Level::Doubtful, Some(share), named, answer.tracer.scene()))
+    // Those without light, as what is covered whole, come last.
+    let mut dark: Vec<usize> = faces.iter().copied().filter(|face| !named.contains(face)).collect();
+    dark.sort_unstable();
+    dark.dedup();
+    named.extend(dark);
+    Some(Reason::new(cause, level, Some(share), named, answer.tracer.scene()))
 }

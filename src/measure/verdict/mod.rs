@@ -20,7 +20,7 @@ use serde::Serialize;
 use super::{Energy, ErrorBudget};
 use crate::patches::Patches;
 use crate::scene::{Feature, Scene};
-use crate::solve::{Report, Solution};
+use crate::solve::Solution;
 use crate::trace::Tracer;
 use crate::transport::{Sources, Transport};
 
@@ -94,7 +94,7 @@ pub enum Cause {
     Escape,
     /// Patches that no ray left or met.
     NoRays,
-    /// Faces lie in the plane of others, with the same front.
+    /// Faces lie in the plane of others, with the same front. Their order is known, so this alone is only told.
     Overlap,
     /// The two directions between sides of faces disagree by more than their noise.
     Directions,
@@ -140,7 +140,9 @@ impl Cause {
             Self::NoRays => {
                 "remove slivers and doubled faces there (`radiosity check`), or trace more --rays"
             }
-            Self::Overlap => "remove one of the two faces, or move it out of the other's plane",
+            Self::Overlap => {
+                "the smaller surface is taken to be on top; move one out of the plane if another order is meant"
+            }
             Self::Directions => "separate faces there that touch or overlap (`radiosity check`)",
         }
     }
@@ -214,27 +216,14 @@ pub struct Answer<'a> {
     pub energy: &'a Energy,
     /// How wrong irradiance is said to be, if that is known.
     pub budget: Option<&'a ErrorBudget>,
-    /// The relative residual that iterations were to reach.
+    /// The [tolerance](crate::solve#tolerance) that iterations were to meet.
     pub tolerance: f64,
-    /// The highest order of the series.
-    pub order: usize,
-    /// Faces that lie in the plane of others with the same front.
-    pub overlapping: &'a [usize],
-    /// Faces between which the two directions disagree.
-    pub disagreeing: &'a [usize],
 }
 
 impl Answer<'_> {
     /// What a number that is exact but for rounding and the solver's tolerance may be off by.
     fn exact(&self) -> f64 {
-        let Report { name, .. } = self.solution.report;
-        if name == "direct" { EXACT } else { EXACT.max(TOLERANCES * self.tolerance) }
-    }
-
-    /// Whether the solver stopped at its highest order.
-    fn is_truncated(&self) -> bool {
-        let Report { name, iterations, residual, .. } = self.solution.report;
-        name == "neumann" && iterations >= self.order && residual > self.tolerance
+        if self.solution.report.name == "direct" { EXACT } else { EXACT.max(TOLERANCES * self.tolerance) }
     }
 
     /// Whether light goes on from surface to surface, so that rows of form factors matter.
@@ -248,7 +237,7 @@ impl Answer<'_> {
 pub struct Verdict {
     /// The worst level of all reasons.
     pub level: Level,
-    /// What is wrong, the worst first; empty for a good answer.
+    /// What is wrong, the worst first; a good answer has none but those that do no harm.
     pub reasons: Vec<Reason>,
 }
 
@@ -266,8 +255,8 @@ impl Verdict {
             reasons.extend(light::unsolved(answer, &residual));
             reasons.extend(light::imbalance(answer, residual.share + rows.open));
             reasons.extend(rows.reasons);
-            reasons.extend(light::listed(answer, Cause::Overlap, answer.overlapping));
-            reasons.extend(light::listed(answer, Cause::Directions, answer.disagreeing));
+            reasons.extend(light::overlaps(answer));
+            reasons.extend(light::directions(answer));
         }
         reasons.sort_by_key(|reason| std::cmp::Reverse(reason.level));
         let level = reasons.first().map_or(Level::Good, |reason| reason.level);

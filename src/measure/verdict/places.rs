@@ -28,10 +28,6 @@ impl Places {
         self.by_face.is_empty()
     }
 
-    pub fn has(&self, face: usize) -> bool {
-        self.by_face.contains_key(&face)
-    }
-
     /// The part of the emitted power, in the channel where it is largest.
     pub fn share(&self, emitted: &[f64]) -> f64 {
         let share = |(power, &emitted): (&f64, &f64)| if emitted > 0.0 { power / emitted } else { 0.0 };

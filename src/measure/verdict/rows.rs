@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::places::Places;
@@ -20,7 +20,7 @@ const EMPTY: f64 = 1.0 - 1e-9;
 #[derive(Default)]
 pub(super) struct Rows {
     pub reasons: Vec<Reason>,
-    /// The part of the emitted power that open rows explain the loss, or gain, of.
+    /// The part of the emitted power that rows lose or gain beside their slack.
     pub open: f64,
 }
 
@@ -41,17 +41,18 @@ pub(super) fn judge(answer: &Answer) -> Rows {
     let mut escapes: Vec<Escape> = (0..patches.len()).map(nothing).collect();
     for c in 0..channels {
         let exchange = operator.exchange_of(c);
-        let (sums, areas, slack_of) = (sums(exchange), exchange.areas(), slack_of(exchange));
+        let (sums, areas, slack_of) = (sums(exchange), exchange.areas(), exchange.slack());
         let usual = areas.dot(&solution.irradiance.column(c)) / areas.sum();
         for i in 0..operator.len() {
             let face = patches.place(i / each).face;
             let sent = PI * patches.unit_of_area() * solution.radiance[(i, c)].abs();
             let lack = areas[i] - sums[i] - exchange.leaving()[i];
-            open.add(face, c, sent * lack.abs());
+            let unexplained = (lack - slack_of[i]).abs();
+            open.add(face, c, sent * unexplained);
             if lack > EMPTY * areas[i] {
                 without_rays.add(face, c, patches.unit_of_area() * areas[i] * usual);
-            } else if (lack - slack_of[i]).abs() > EXACT * areas[i] {
-                unclosed.add(face, c, sent * (lack - slack_of[i]).abs());
+            } else if unexplained > EXACT * areas[i] {
+                unclosed.add(face, c, sent * unexplained);
             }
             if slack_of[i] > EXACT * areas[i] {
                 slack.add(face, c, sent * slack_of[i]);
@@ -84,11 +85,6 @@ pub(super) fn judge(answer: &Answer) -> Rows {
         judged(&without_rays, Cause::NoRays, 0.0),
     ];
     Rows { reasons: reasons.into_iter().flatten().collect(), open: open.share(emitted) }
-}
-
-/// What rows lack because no balance exists that closes them.
-fn slack_of(exchange: &Exchange) -> DVector<f64> {
-    DVector::zeros(exchange.len())
 }
 
 /// Σ_j S_ij.
