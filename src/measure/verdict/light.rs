@@ -47,17 +47,20 @@ pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {
     }
 }
 
-/// All emission of the scene is among the sources: that of patches, entry by entry, and that of faces whose front is no patch.
+/// All emission of the scene is among the sources: that of patches, entry by entry, and that of faces whose front is no patch. The latter is covered by
+/// other faces, which may be meant, and so is doubtful at most.
 pub(super) fn missing_lamps(answer: &Answer) -> Option<Reason> {
     let Answer { tracer, patches, sources, .. } = *answer;
     let scene = tracer.scene();
     let wanted = answer.operator.basis().coefficients_of(&patches.sources());
     let lack = &wanted - &sources.emitted;
     let mut missing = places::power(answer, &lack, PI, |i, c| lack[(i, c)] != 0.0);
+    let most = if missing.is_empty() { Level::Doubtful } else { Level::Bad };
     for face in emitters(scene).filter(|&face| patches.patches_of(face, Side::Front).is_empty()) {
         let [a, b, c] = scene.corners(face);
         let area = 0.5 * (b - a).cross(c - a).length();
-        for (channel, radiance) in scene.mean_emission(face).iter().enumerate() {
+        let emission = scene.mean_emission(face);
+        for (channel, radiance) in emission.iter().enumerate().filter(|(_, radiance)| **radiance > 0.0) {
             missing.add(face, channel, PI * area * radiance);
         }
     }
@@ -68,7 +71,7 @@ pub(super) fn missing_lamps(answer: &Answer) -> Option<Reason> {
     if missing.is_empty() {
         return None;
     }
-    let level = Level::of_share(missing.share(&answer.energy.emitted), 0.0);
+    let level = Level::of_share(missing.share(&answer.energy.emitted), 0.0).min(most);
     Some(missing.reason(answer, Cause::MissingLamps, level))
 }
 

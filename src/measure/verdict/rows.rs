@@ -39,9 +39,10 @@ pub(super) fn judge(answer: &Answer) -> Rows {
     let (mut open, mut unclosed, mut slack, mut without_rays) = (new(), new(), new(), new());
     let nothing = |patch| Escape { patch, power: vec![0.0; channels], sees_nothing: true };
     let mut escapes: Vec<Escape> = (0..patches.len()).map(nothing).collect();
+    let sums_by_tone: Vec<DMatrix<f64>> = operator.factors().exchanges().iter().map(sums).collect();
     for c in 0..channels {
-        let exchange = operator.exchange_of(c);
-        let (sums, areas, slack_of) = (sums(exchange), exchange.areas(), exchange.slack());
+        let (exchange, sums) = (operator.exchange_of(c), &sums_by_tone[operator.tone_of(c)]);
+        let (areas, slack_of) = (exchange.areas(), exchange.slack());
         let usual = areas.dot(&solution.irradiance.column(c)) / areas.sum();
         for i in 0..operator.len() {
             let face = patches.place(i / each).face;
