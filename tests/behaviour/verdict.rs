@@ -1,4 +1,5 @@
-//! The verdict on an answer: good on sound scenes, and raised, by its cause, by each fault that is put in on purpose.
+//! The verdict on an answer: good on sound scenes, and raised, by its cause, by each fault that is put in on
+//! purpose.
 
 use nalgebra::{DMatrix, DVector};
 use radiosity::measure::{Answer, Cause, Energy, ErrorBars, ErrorBudget, Level, Reason, Verdict};

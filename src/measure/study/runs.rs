@@ -59,7 +59,8 @@ impl Way {
     }
 }
 
-/// Solves one cell every way, as often as it is to be repeated; also answers whether what conjugate gradients find first can be relied on.
+/// Solves one cell every way, as often as it is to be repeated; also answers whether what conjugate gradients
+/// find first can be relied on.
 pub(super) fn measure_cell(
     tracer: &Tracer,
     cell: Cell,

@@ -47,8 +47,8 @@ pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {
     }
 }
 
-/// All emission of the scene is among the sources: that of patches, entry by entry, and that of faces whose front is no patch. The latter is covered by
-/// other faces, which may be meant, and so is doubtful at most.
+/// All emission of the scene is among the sources: that of patches, entry by entry, and that of faces whose
+/// front is no patch. The latter is covered by other faces, which may be meant, and so is doubtful at most.
 pub(super) fn missing_lamps(answer: &Answer) -> Option<Reason> {
     let Answer { tracer, patches, sources, .. } = *answer;
     let scene = tracer.scene();
@@ -103,7 +103,8 @@ impl Residual {
     }
 }
 
-/// The residual is small: its power as a part of all power, and in no row radiance or irradiance is off by 0.1 % or ten tolerances.
+/// The residual is small: its power as a part of all power, and in no row radiance or irradiance is off by
+/// 0.1 % or ten tolerances.
 pub(super) fn unsolved(answer: &Answer, residual: &Residual) -> Option<Reason> {
     let Residual { irradiance, radiance, share } = residual;
     let mass = answer.operator.mass().sums();
@@ -128,7 +129,8 @@ pub(super) fn unsolved(answer: &Answer, residual: &Residual) -> Option<Reason> {
     Some(Reason::new(cause, level, Some(*share), wrong.faces(), answer.tracer.scene()))
 }
 
-/// What is emitted comes to all terms together, but for what the residual and open rows of form factors explain.
+/// What is emitted comes to all terms together, but for what the residual and open rows of form factors
+/// explain.
 pub(super) fn imbalance(answer: &Answer, explained: f64) -> Option<Reason> {
     let Energy { emitted, absorbed, escaped, carriers, lost, slack, imbalance } = answer.energy;
     let off = |c: usize| match emitted[c] {

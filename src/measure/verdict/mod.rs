@@ -1,15 +1,16 @@
 //! Verdict: whether an answer can be relied on, and if not, why, where, and what to do.
 //!
-//! Every cause is judged by numbers that are computed anew from the answer: power is added up, the equation is evaluated at the radiance
-//! found, rows of form factors are summed. Two thresholds are common to all causes that lose or misplace power. They are relative to the
-//! power that is emitted, in the channel where most is lost:
+//! Every cause is judged by numbers that are computed anew from the answer: power is added up, the equation
+//! is evaluated at the radiance found, rows of form factors are summed. Two thresholds are common to all
+//! causes that lose or misplace power. They are relative to the power that is emitted, in the channel where
+//! most is lost:
 //!
-//! - from 0.1 % on an answer is *doubtful*. That is a tenth of the 1 % by face that usual settings aim at: less than that is covered by the error
-//!   bars, more is an error that they do not know of;
+//! - from 0.1 % on an answer is *doubtful*. That is a tenth of the 1 % by face that usual settings aim at:
+//!   less than that is covered by the error bars, more is an error that they do not know of;
 //! - from 5 % on it is *bad*: no error bar covers that, and the eye sees it.
 //!
-//! What should be exact but for rounding (energy terms, sums of rows) is doubtful from 1e-6 on: stored exchange areas are rounded to 6e-8. Iterative
-//! solvers are allowed ten times their tolerance there.
+//! What should be exact but for rounding (energy terms, sums of rows) is doubtful from 1e-6 on: stored
+//! exchange areas are rounded to 6e-8. Iterative solvers are allowed ten times their tolerance there.
 
 mod light;
 mod places;
@@ -41,7 +42,8 @@ pub enum Level {
     /// Within its error bars.
     #[default]
     Good,
-    /// Right as far as it goes: the solver stopped at its highest order or its last iteration, and light is missing.
+    /// Right as far as it goes: the solver stopped at its highest order or its last iteration, and light is
+    /// missing.
     Truncated,
     /// Something is wrong that its error bars do not know of, or may be.
     Doubtful,
@@ -94,7 +96,8 @@ pub enum Cause {
     Escape,
     /// Patches that no ray left or met.
     NoRays,
-    /// Faces lie in the plane of others, with the same front. Their order is known, so this alone is only told.
+    /// Faces lie in the plane of others, with the same front. Their order is known, so this alone is only
+    /// told.
     Overlap,
     /// The two directions between sides of faces disagree by more than their noise.
     Directions,
@@ -159,7 +162,8 @@ pub struct Reason {
     pub faces: Vec<usize>,
     /// Names of their objects, in the same order, each once.
     pub objects: Vec<String>,
-    /// The part of the emitted power that is concerned, in the channel where it is largest; none where that can't be told.
+    /// The part of the emitted power that is concerned, in the channel where it is largest; none where that
+    /// can't be told.
     pub power_share: Option<f64>,
     /// What to do about it.
     pub remedy: &'static str,

@@ -47,7 +47,8 @@ impl Places {
     }
 }
 
-/// π A |x| of a field of radiance, or A |x| of irradiance with `factor` 1, W, for the coefficients that `is_wrong` picks.
+/// π A |x| of a field of radiance, or A |x| of irradiance with `factor` 1, W, for the coefficients that
+/// `is_wrong` picks.
 pub(super) fn power(
     answer: &Answer,
     field: &DMatrix<f64>,

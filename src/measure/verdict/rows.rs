@@ -10,7 +10,8 @@ use super::{Answer, Cause, DOUBTFUL, EXACT, Level, Reason};
 use crate::measure::health::ClosedSurfaces;
 use crate::transport::Exchange;
 
-/// The most solid angles that are summed to find what is inside closed surfaces; patches with the most escaping power come first.
+/// The most solid angles that are summed to find what is inside closed surfaces; patches with the most
+/// escaping power come first.
 const MOST_ANGLES: usize = 2_000_000;
 
 /// A row that lacks more than this part of its area has neither exchange nor escape.
