@@ -59,7 +59,8 @@ pub struct AccuracyStep {
 pub enum Ending {
     /// The goal is met, by a good answer; or, with a time alone, that time is used.
     Reached,
-    /// The error bars meet the goal, or the time is used, but the verdict on the answer is not good: the bars do not know of what is wrong.
+    /// The error bars meet the goal, or the time is used, but the verdict on the answer is not good: the bars
+    /// do not know of what is wrong.
     Doubtful,
     /// There is not enough of something for it; what it would take is foretold.
     Short {
@@ -327,8 +328,6 @@ impl<'s> Search<'_, 's> {
             energy: &Energy::of(&k, &sources, &solution.radiance, patches.unit_of_area()),
             budget: Some(&budget),
             tolerance: options.tolerance,
-            order: usize::MAX,
-            disagreements: factors.disagreements(),
         });
         let noise = budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS));
         let step = AccuracyStep {
@@ -362,7 +361,8 @@ impl<'s> Search<'_, 's> {
             Tolerated::Irradiance(h) => h / best.budget.irradiance.max(f64::MIN_POSITIVE),
         });
         let is_met = wanted.is_none_or(|wanted| now <= wanted && best.patches.len() as f64 >= self.fewest());
-        // Finer patches and more rays may cure a doubtful answer, but what two steps did not cure a third will not.
+        // Finer patches and more rays may cure a doubtful answer, but what two steps did not cure a third
+        // will not.
         let tried = self.steps.iter().rev().take(2).filter(|step| step.verdict > Level::Good).count();
         let is_doubtful = best.verdict.level > Level::Good;
         if is_met && (!is_doubtful || tried == 2) && (wanted.is_some() || self.goal.seconds.is_none()) {

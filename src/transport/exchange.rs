@@ -45,8 +45,8 @@ impl Exchange {
     /// Balances raw exchange areas `storage` and escapes (N values) between coefficients of this mass, any common unit; the areas
     /// of patches are the mass of constant elements.
     ///
-    /// `lamps` (N flags) marks those whose entries are known better than the others' and are not to bear their noise. Rows that would have
-    /// to be scaled by more than 4 keep [slack](Exchange::slack).
+    /// `lamps` (N flags) marks those whose entries are known better than the others' and are not to bear
+    /// their noise. Rows that would have to be scaled by more than 4 keep [slack](Exchange::slack).
     ///
     /// # Errors
     /// `Cancelled`.
@@ -128,17 +128,17 @@ impl Exchange {
             .expect("a silent observer never cancels")
     }
 
-    /// Exchange areas as they are, `storage` and what escapes (N values) in the unit of the mass; nothing makes them close.
+    /// Exchange areas as they are, `storage` and what escapes (N values) in the unit of the mass; nothing
+    /// makes them close.
     ///
     /// # Panics
     /// If the dimensions differ.
     pub fn unbalanced(storage: Storage, escape: DVector<f64>, mass: impl Into<Mass>) -> Self {
         let mass = mass.into();
         assert_eq!(escape.len(), mass.len(), "one escape per coefficient");
-        let closure = Closure { before: 0.0, after: 0.0, slack: 0.0, iterations: 0 };
+        let closure = Closure { before: 0.0, after: 0.0, iterations: 0, slack: 0.0 };
         let scale = DVector::repeat(mass.len(), 1.0);
-        let slack = DVector::zeros(mass.len());
-        let ends = Ends { leaving: escape, in_carriers: None, slack };
+        let ends = Ends { leaving: escape, in_carriers: None, slack: DVector::zeros(mass.len()) };
         let as_is = Self { storage, scale, ends, mass, closure, shrinkage: 1.0 };
         let error = as_is.closure_error();
         Self { closure: Closure { before: error, after: error, ..closure }, ..as_is }
@@ -225,8 +225,9 @@ impl Exchange {
         &self.ends.leaving
     }
 
-    /// What rows lack that no scaling could close, as where faces coincide: (M·1)_i less Σ_j S_ij and what leaves; N values, in the units of
-    /// [`Exchange::leaving`], 0 for rows that close. Light that it stands for is missing from the answer.
+    /// What rows lack that no scaling could close, as where faces coincide: (M·1)_i less Σ_j S_ij and what
+    /// leaves; N values, in the units of [`Exchange::leaving`], 0 for rows that close. Light that it stands
+    /// for is missing from the answer.
     pub fn slack(&self) -> &DVector<f64> {
         &self.ends.slack
     }

@@ -312,6 +312,11 @@ impl FormFactors {
         &self.disagreements
     }
 
+    /// The same form factors with other pairs of face sides that disagree.
+    pub fn with_disagreements(self, disagreements: Vec<Disagreement>) -> Self {
+        Self { disagreements, ..self }
+    }
+
     /// Rays per patch; 0 where they were found without.
     pub fn rays(&self) -> u32 {
         self.rays

@@ -82,6 +82,11 @@ impl<'f> Transport<'f> {
         self.reflection.reflectance.ncols()
     }
 
+    /// The form factors.
+    pub fn factors(&self) -> &'f FormFactors {
+        self.factors
+    }
+
     /// Exchange areas S; of the first channel, where coloured carriers make channels differ.
     pub fn exchange(&self) -> &'f Exchange {
         self.factors.exchange()

@@ -122,8 +122,6 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         energy: &Energy::of(&k, &sources, &direct.radiance, patches.unit_of_area()),
         budget: None,
         tolerance,
-        order: args.solver.order,
-        disagreements: factors.disagreements(),
     });
 
     let budget = args.reference.budget();

@@ -53,8 +53,6 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         energy: &energy,
         budget: None,
         tolerance: args.solver.tolerance,
-        order: args.solver.order,
-        disagreements: factors.disagreements(),
     });
     let camera = args::camera(&tracer, &patches);
     let look = RenderOptions { carried: sources.carried.as_ref().map(|light| &light.irradiance), ..look };

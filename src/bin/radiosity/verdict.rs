@@ -27,7 +27,7 @@ impl StrictArgs {
 pub fn warn(verdict: &Verdict, terminal: &Terminal) {
     for reason in &verdict.reasons {
         match reason.level {
-            Level::Good => terminal.warn(format_args!("{reason}")),
+            Level::Good => terminal.warn(reason),
             level => terminal.warn(format_args!("{} answer: {reason}", level.name())),
         }
     }

@@ -1,10 +1,13 @@
-//! Agreement: whether an answer agrees with its reference, differs as its mesh explains, or differs as nothing explains.
+//! Agreement: whether an answer agrees with its reference, differs as its mesh explains, or differs as
+//! nothing explains.
 //!
-//! Four things are looked at: the root mean square over patches and over faces, the mean, and the worst patch. Each is first held
-//! against the noise of the reference alone, at a level corrected for their number. What noise does not explain is held against what the
-//! mesh may do: [`MeshError`] tells how much half the edge changes; with an error that falls only as √h, as it does along the edges of
-//! shadows, 2.4 times the change remains, and three times is allowed. An error that does not come from the mesh does not change with it.
-//! That rule holds for fine meshes: where it would allow more than a fifth of the light, or a twentieth of the mean, the mesh explains nothing.
+//! Four things are looked at: the root mean square over patches and over faces, the mean, and the worst
+//! patch. Each is first held against the noise of the reference alone, at a level corrected for their number.
+//! What noise does not explain is held against what the mesh may do: [`MeshError`] tells how much half the
+//! edge changes; with an error that falls only as √h, as it does along the edges of shadows, 2.4 times the
+//! change remains, and three times is allowed. An error that does not come from the mesh does not change with
+//! it. That rule holds for fine meshes: where it would allow more than a fifth of the light, or a twentieth
+//! of the mean, the mesh explains nothing.
 //!
 //! The worst of the four decides, and all that is said follows from this one decision.
 
@@ -28,8 +31,8 @@ const ALWAYS_OF_ONE: f64 = 6.0;
 /// So much of it for the mean over all patches.
 const ALWAYS_OF_MEAN: f64 = 0.1;
 
-/// The mesh explains no more than these parts of root mean squares and of the mean: an estimate that allows more comes from a mesh that is too
-/// coarse for it.
+/// The mesh explains no more than these parts of root mean squares and of the mean: an estimate that allows
+/// more comes from a mesh that is too coarse for it.
 const MOST_BY_MESH: f64 = 0.2;
 const MOST_OF_MEAN: f64 = 0.05;
 
@@ -168,7 +171,8 @@ pub(super) fn reasons(
     ]
 }
 
-/// The patch that noise and mesh explain least, if there is one that they do not explain; or else the one that is worst beside its noise.
+/// The patch that noise and mesh explain least, if there is one that they do not explain; or else the one
+/// that is worst beside its noise.
 fn worst_patch(places: &[Place], by_patch: &Difference, change: &Change, looks: usize) -> AgreementTest {
     let values = places.iter().map(|place| place.channels.len()).sum();
     let typical = difference::typical_error(places);

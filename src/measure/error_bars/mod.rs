@@ -140,17 +140,18 @@ impl ErrorBars {
         let change_by_merging = faces.relative(|f, c| change[(f, c)].powi(2));
         let less = change_by_merging.powi(2) - (IN_CHANGE * by_noise).powi(2);
         let by_mesh = less.max(0.25 * change_by_merging.powi(2)).sqrt();
+        let left_out = left_out(patches, &report.missing);
+        let by_solver = faces.relative(|_, c| left_out[c].powi(2));
+        let by_truncation = if report.truncated { by_solver } else { 0.0 };
         let missing = missing_by_patch.as_ref().map(|missing| faces.of(missing));
         let missed =
             |missing: &Option<DMatrix<f64>>, at: (usize, usize)| missing.as_ref().map_or(0.0, |m| m[at]);
         let by_slack = faces.relative(|f, c| missed(&missing, (f, c)).powi(2));
-        let left_out = left_out(patches, &report.missing);
-        let by_solver = faces.relative(|_, c| left_out[c].powi(2));
         let mut parts = vec![
             part(ErrorPart::MESH, by_mesh, Certainty::Estimated),
             part(ErrorPart::RAYS, by_rays, Certainty::Estimated),
             part(ErrorPart::LAMPS, by_lamps, Certainty::Estimated),
-            part(ErrorPart::TRUNCATION, if report.truncated { by_solver } else { 0.0 }, report.certainty),
+            part(ErrorPart::TRUNCATION, by_truncation, report.certainty),
             part("solver", if report.truncated { 0.0 } else { by_solver }, report.certainty),
             part("storage", ROUNDING * report.condition, report.certainty),
         ];
@@ -161,23 +162,22 @@ impl ErrorBars {
         let squares: Vec<f64> =
             faces.squares(&rays).iter().zip(faces.squares(&lamps)).map(|(a, b)| a + b).collect();
         let scatter = scatter(&squares);
-        let relative_rms =
-            by_mesh.hypot(by_noise).hypot(by_slack) + if report.truncated { by_solver } else { 0.0 };
+        let relative_rms = by_mesh.hypot(by_noise).hypot(by_slack) + by_truncation;
         let noise_at_most = scatter * noise_at_most(factors.rays(), basis);
         let sure = by_solver + ROUNDING * report.condition;
         let upper95 = (insight.at_most() * by_mesh).hypot(noise_at_most * by_noise)
             + SLACK_AT_MOST * by_slack
             + if sure.is_finite() || report.truncated { sure } else { 0.0 };
-        // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have, and
-        // what is left out or may be missing.
+        // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have, what it may miss, and
+        // what is left out.
         let bar = |h: f64, variance: f64, by_mesh_here: f64, c: usize| {
             let left_out = if report.truncated { left_out[c] } else { 0.0 };
             (variance + by_mesh_here.powi(2) + (COMMON * by_mesh * h).powi(2) + left_out.powi(2)).sqrt()
         };
         let by_face = faces.irradiance.iter().enumerate().map(|(f, row)| {
             let variance = |c: usize| {
-                let by_noise = noise::variance(&rays, (f, c)) + noise::variance(&lamps, (f, c));
-                by_noise + missed(&missing, (f, c)).powi(2)
+                let missed = missed(&missing, (f, c)).powi(2);
+                noise::variance(&rays, (f, c)) + noise::variance(&lamps, (f, c)) + missed
             };
             let of = |c: usize| bar(row.mean[c], variance(c), change[(f, c)], c);
             FaceRow { mean: (0..row.mean.len()).map(of).collect(), ..row.clone() }

@@ -1,7 +1,8 @@
-//! Closed surfaces: opaque faces connected by edges each of which exactly two of them share. No light leaves one from inside.
+//! Closed surfaces: opaque faces connected by edges each of which exactly two of them share. No light leaves
+//! one from inside.
 //!
-//! A point is inside where the winding number w = Σ Ω_f / 4π of the surface around it is not 0, with Ω_f the signed solid angle of face f. It is
-//! constant on any path that does not cross the surface, and 0 far away.
+//! A point is inside where the winding number w = Σ Ω_f / 4π of the surface around it is not 0, with Ω_f the
+//! signed solid angle of face f. It is constant on any path that does not cross the surface, and 0 far away.
 
 use std::f64::consts::PI;
 
@@ -65,7 +66,8 @@ impl Closed {
         for &(f, corners, turned) in &self.faces {
             let sign = if turned { -1.0 } else { 1.0 };
             if f == face {
-                // The mean over both sides is what the other faces add up to; the side behind the surface has half a turn more.
+                // The mean over both sides is what the other faces add up to; the side behind the surface has
+                // half a turn more.
                 own = if (side == Side::Back) != turned { 0.5 } else { -0.5 };
             } else {
                 sum += sign * solid_angle(point, corners);
@@ -75,7 +77,8 @@ impl Closed {
     }
 }
 
-/// The solid angle of a triangle seen from a point, positive where its back faces the point (Van Oosterom & Strackee 1983).
+/// The solid angle of a triangle seen from a point, positive where its back faces the point (Van Oosterom &
+/// Strackee 1983).
 fn solid_angle(point: DVec3, corners: [DVec3; 3]) -> f64 {
     let [a, b, c] = corners.map(|corner| corner - point);
     let [la, lb, lc] = [a.length(), b.length(), c.length()];

@@ -152,8 +152,8 @@ impl<'s> Edges<'s> {
         against
     }
 
-    /// The surfaces connected by edges that two faces share: their faces, which of them have to be turned for all fronts to agree with the
-    /// first's, and whether all do then.
+    /// The surfaces connected by edges that two faces share: their faces, which of them have to be turned for
+    /// all fronts to agree with the first's, and whether all do then.
     pub fn oriented(&self) -> Vec<(Vec<(usize, bool)>, bool)> {
         let mut next_to: HashMap<usize, Vec<(usize, bool)>> = HashMap::new();
         for [one, other] in self.shared() {

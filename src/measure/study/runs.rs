@@ -59,7 +59,8 @@ impl Way {
     }
 }
 
-/// Solves one cell every way, as often as it is to be repeated; also answers whether what conjugate gradients find first can be relied on.
+/// Solves one cell every way, as often as it is to be repeated; also answers whether what conjugate gradients
+/// find first can be relied on.
 pub(super) fn measure_cell(
     tracer: &Tracer,
     cell: Cell,
@@ -109,8 +110,6 @@ pub(super) fn measure_cell(
                     energy: &Energy::of(&k, &sources, &solved.radiance, cut.unit_of_area()),
                     budget: None,
                     tolerance: solve_options.tolerance,
-                    order: solve_options.order,
-                    disagreements: factors.disagreements(),
                 });
             }
             way.bytes = factors.exchange().bytes();

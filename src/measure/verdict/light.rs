@@ -29,12 +29,12 @@ pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {
     let mut faces: Vec<usize> = broken.map(|i| answer.patches.place(i / each).face).collect();
     faces.dedup();
     let energy = answer.energy;
-    let Energy { emitted, absorbed, escaped, carriers, lost, slack, .. } = energy;
-    let terms = [emitted, absorbed, escaped, carriers, lost, slack];
-    let mut numbers = terms.into_iter().flatten().copied().chain([energy.imbalance]);
+    let losses = [&energy.absorbed, &energy.escaped, &energy.carriers, &energy.lost, &energy.slack];
+    let mut numbers =
+        losses.into_iter().chain([&energy.emitted]).flatten().copied().chain([energy.imbalance]);
     // Errors relative to no light at all are infinite.
     let errors = answer.budget.map_or([0.0; 2], |budget| [budget.relative_rms, budget.upper95]);
-    let is_wrong = |error: f64| error.is_nan() || error.is_infinite() && !answer.is_truncated();
+    let is_wrong = |error: f64| error.is_nan() || error.is_infinite() && !answer.solution.report.truncated;
     let report = &solution.report;
     let bounds = [report.residual, report.bound, report.condition];
     let not_finite = !faces.is_empty()
@@ -50,17 +50,20 @@ pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {
     }
 }
 
-/// All emission of the scene is among the sources: that of patches, entry by entry, and that of faces whose front is no patch.
+/// All emission of the scene is among the sources: that of patches, entry by entry, and that of faces whose
+/// front is no patch. The latter is covered by other faces, which may be meant, and so is doubtful at most.
 pub(super) fn missing_lamps(answer: &Answer) -> Option<Reason> {
     let Answer { tracer, patches, sources, .. } = *answer;
     let scene = tracer.scene();
     let wanted = answer.operator.basis().coefficients_of(&patches.sources());
     let lack = &wanted - &sources.emitted;
     let mut missing = places::power(answer, &lack, PI, |i, c| lack[(i, c)] != 0.0);
+    let most = if missing.is_empty() { Level::Doubtful } else { Level::Bad };
     for face in emitters(scene).filter(|&face| patches.patches_of(face, Side::Front).is_empty()) {
         let [a, b, c] = scene.corners(face);
         let area = 0.5 * (b - a).cross(c - a).length();
-        for (channel, radiance) in scene.mean_emission(face).iter().enumerate() {
+        let emission = scene.mean_emission(face);
+        for (channel, radiance) in emission.iter().enumerate().filter(|(_, radiance)| **radiance > 0.0) {
             missing.add(face, channel, PI * area * radiance);
         }
     }
@@ -71,7 +74,7 @@ pub(super) fn missing_lamps(answer: &Answer) -> Option<Reason> {
     if missing.is_empty() {
         return None;
     }
-    let level = Level::of_share(missing.share(&answer.energy.emitted), 0.0);
+    let level = Level::of_share(missing.share(&answer.energy.emitted), 0.0).min(most);
     Some(missing.reason(answer, Cause::MissingLamps, level))
 }
 
@@ -103,7 +106,8 @@ impl Residual {
     }
 }
 
-/// The residual is small: its power as a part of all power, and in no row radiance or irradiance is off by 0.1 % or ten tolerances.
+/// The residual is small: its power as a part of all power, and in no row radiance or irradiance is off by
+/// 0.1 % or ten tolerances.
 pub(super) fn unsolved(answer: &Answer, residual: &Residual) -> Option<Reason> {
     let Residual { irradiance, radiance, share } = residual;
     let mass = answer.operator.mass().sums();
@@ -121,14 +125,15 @@ pub(super) fn unsolved(answer: &Answer, residual: &Residual) -> Option<Reason> {
     if *share < answer.exact() && wrong.is_empty() {
         return None;
     }
-    let (cause, level) = match answer.is_truncated() {
+    let (cause, level) = match answer.solution.report.truncated {
         true => (Cause::Truncation, Level::Truncated),
         false => (Cause::Unsolved, Level::of_share(*share, 0.0)),
     };
     Some(Reason::new(cause, level, Some(*share), wrong.faces(), answer.tracer.scene()))
 }
 
-/// What is emitted comes to all terms together, but for what the residual and open rows of form factors explain.
+/// What is emitted comes to all terms together, but for what the residual and open rows of form factors
+/// explain.
 pub(super) fn imbalance(answer: &Answer, explained: f64) -> Option<Reason> {
     let Energy { emitted, absorbed, escaped, carriers, lost, slack, imbalance, imbalance_error } =
         answer.energy;
@@ -145,29 +150,21 @@ pub(super) fn imbalance(answer: &Answer, explained: f64) -> Option<Reason> {
         .then(|| Reason::new(Cause::EnergyImbalance, level, Some(share), Vec::new(), answer.tracer.scene()))
 }
 
-/// Faces that lie in the plane of others with the same front. Their order is settled, so that this is worth a note; where a lamp lies
-/// below, its light is missing.
-pub(super) fn overlap(answer: &Answer) -> Option<Reason> {
-    let scene = answer.tracer.scene();
-    let same_front = answer.tracer.overlaps().iter().filter(|overlap| overlap.kind == OverlapKind::SameFront);
-    let mut covered: Vec<usize> = same_front.map(|overlap| overlap.faces[1] as usize).collect();
-    covered.sort_unstable();
-    covered.dedup();
-    let hides_light = covered.iter().any(|&face| scene.material_of(face).emits());
-    let level = if hides_light { Level::Doubtful } else { Level::Good };
-    listed(answer, Cause::Overlap, level, &covered)
+/// Faces that others in their plane with the same front cover.
+pub(super) fn overlaps(answer: &Answer) -> Option<Reason> {
+    let overlaps = answer.tracer.overlaps().iter().filter(|overlap| overlap.kind == OverlapKind::SameFront);
+    let faces: Vec<usize> = overlaps.flat_map(|overlap| overlap.faces).map(|face| face as usize).collect();
+    listed(answer, Cause::Overlap, Level::Good, &faces)
 }
 
-/// Pairs of face sides whose two directions found different exchange areas.
+/// Sides of faces whose rays to and fro find different amounts of light.
 pub(super) fn directions(answer: &Answer) -> Option<Reason> {
-    let sides = answer.disagreements.iter().flat_map(|pair| pair.sides);
-    let mut faces: Vec<usize> = sides.map(|(face, _)| face).collect();
-    faces.sort_unstable();
-    faces.dedup();
+    let pairs = answer.operator.factors().disagreements().iter();
+    let faces: Vec<usize> = pairs.flat_map(|pair| pair.sides).map(|(face, _)| face).collect();
     listed(answer, Cause::Directions, Level::Doubtful, &faces)
 }
 
-/// Faces that are known from before, with the light that arrives there.
+/// What is known of some faces, with the light that arrives there.
 fn listed(answer: &Answer, cause: Cause, level: Level, faces: &[usize]) -> Option<Reason> {
     if faces.is_empty() {
         return None;
@@ -177,6 +174,10 @@ fn listed(answer: &Answer, cause: Cause, level: Level, faces: &[usize]) -> Optio
     let arriving = places::power(answer, &answer.solution.irradiance, 1.0, is_listed);
     let share = arriving.share(&answer.energy.emitted);
     let mut named = arriving.faces();
-    named.extend(faces.iter().filter(|face| !arriving.has(**face)));
+    // Those without light, as what is covered whole, come last.
+    let mut dark: Vec<usize> = faces.iter().copied().filter(|face| !named.contains(face)).collect();
+    dark.sort_unstable();
+    dark.dedup();
+    named.extend(dark);
     Some(Reason::new(cause, level, Some(share), named, answer.tracer.scene()))
 }

@@ -1,15 +1,16 @@
 //! Verdict: whether an answer can be relied on, and if not, why, where, and what to do.
 //!
-//! Every cause is judged by numbers that are computed anew from the answer: power is added up, the equation is evaluated at the radiance
-//! found, rows of form factors are summed. Two thresholds are common to all causes that lose or misplace power. They are relative to the
-//! power that is emitted, in the channel where most is lost:
+//! Every cause is judged by numbers that are computed anew from the answer: power is added up, the equation
+//! is evaluated at the radiance found, rows of form factors are summed. Two thresholds are common to all
+//! causes that lose or misplace power. They are relative to the power that is emitted, in the channel where
+//! most is lost:
 //!
-//! - from 0.1 % on an answer is *doubtful*. That is a tenth of the 1 % by face that usual settings aim at: less than that is covered by the error
-//!   bars, more is an error that they do not know of;
+//! - from 0.1 % on an answer is *doubtful*. That is a tenth of the 1 % by face that usual settings aim at:
+//!   less than that is covered by the error bars, more is an error that they do not know of;
 //! - from 5 % on it is *bad*: no error bar covers that, and the eye sees it.
 //!
-//! What should be exact but for rounding (energy terms, sums of rows) is doubtful from 1e-6 on: stored exchange areas are rounded to 6e-8. Iterative
-//! solvers are allowed ten times their tolerance there.
+//! What should be exact but for rounding (energy terms, sums of rows) is doubtful from 1e-6 on: stored
+//! exchange areas are rounded to 6e-8. Iterative solvers are allowed ten times their tolerance there.
 
 mod light;
 mod places;
@@ -20,9 +21,9 @@ use serde::Serialize;
 use super::{Energy, ErrorBudget};
 use crate::patches::Patches;
 use crate::scene::{Feature, Scene};
-use crate::solve::{Report, Solution};
+use crate::solve::Solution;
 use crate::trace::Tracer;
-use crate::transport::{Disagreement, Sources, Transport};
+use crate::transport::{Sources, Transport};
 
 /// The share of the power from which on an answer is doubtful, and bad.
 const DOUBTFUL: f64 = 1e-3;
@@ -41,7 +42,8 @@ pub enum Level {
     /// Within its error bars.
     #[default]
     Good,
-    /// Right as far as it goes: the solver stopped at its highest order or its last iteration, and light is missing.
+    /// Right as far as it goes: the solver stopped at its highest order or its last iteration, and light is
+    /// missing.
     Truncated,
     /// Something is wrong that its error bars do not know of, or may be.
     Doubtful,
@@ -94,7 +96,8 @@ pub enum Cause {
     Escape,
     /// Patches that no ray left or met.
     NoRays,
-    /// Faces lie in the plane of others, with the same front.
+    /// Faces lie in the plane of others, with the same front. Their order is known, so this alone is only
+    /// told.
     Overlap,
     /// The two directions between sides of faces disagree by more than their noise.
     Directions,
@@ -141,7 +144,7 @@ impl Cause {
                 "remove slivers and doubled faces there (`radiosity check`), or trace more --rays"
             }
             Self::Overlap => {
-                "the smaller coplanar surface is on top, of equal ones the first; lift one off the other if another order is meant"
+                "the smaller surface is taken to be on top; move one out of the plane if another order is meant"
             }
             Self::Directions => "separate faces there that touch or overlap (`radiosity check`)",
         }
@@ -159,7 +162,8 @@ pub struct Reason {
     pub faces: Vec<usize>,
     /// Names of their objects, in the same order, each once.
     pub objects: Vec<String>,
-    /// The part of the emitted power that is concerned, in the channel where it is largest; none where that can't be told.
+    /// The part of the emitted power that is concerned, in the channel where it is largest; none where that
+    /// can't be told.
     pub power_share: Option<f64>,
     /// What to do about it.
     pub remedy: &'static str,
@@ -216,26 +220,14 @@ pub struct Answer<'a> {
     pub energy: &'a Energy,
     /// How wrong irradiance is said to be, if that is known.
     pub budget: Option<&'a ErrorBudget>,
-    /// The relative residual that iterations were to reach.
+    /// The [tolerance](crate::solve#tolerance) that iterations were to meet.
     pub tolerance: f64,
-    /// The highest order of the series.
-    pub order: usize,
-    /// Face sides between which the two directions disagree; see
-    /// [`FormFactors::disagreements`](crate::transport::FormFactors::disagreements).
-    pub disagreements: &'a [Disagreement],
 }
 
 impl Answer<'_> {
     /// What a number that is exact but for rounding and the solver's tolerance may be off by.
     fn exact(&self) -> f64 {
-        let Report { name, .. } = self.solution.report;
-        if name == "direct" { EXACT } else { EXACT.max(TOLERANCES * self.tolerance) }
-    }
-
-    /// Whether the solver stopped at its highest order.
-    fn is_truncated(&self) -> bool {
-        let Report { name, iterations, residual, .. } = self.solution.report;
-        name == "neumann" && iterations >= self.order && residual > self.tolerance
+        if self.solution.report.name == "direct" { EXACT } else { EXACT.max(TOLERANCES * self.tolerance) }
     }
 
     /// Whether light goes on from surface to surface, so that rows of form factors matter.
@@ -249,7 +241,7 @@ impl Answer<'_> {
 pub struct Verdict {
     /// The worst level of all reasons.
     pub level: Level,
-    /// What is wrong, the worst first; empty for a good answer.
+    /// What is wrong, the worst first; a good answer has none but those that do no harm.
     pub reasons: Vec<Reason>,
 }
 
@@ -267,7 +259,7 @@ impl Verdict {
             reasons.extend(light::unsolved(answer, &residual));
             reasons.extend(light::imbalance(answer, residual.share + rows.open));
             reasons.extend(rows.reasons);
-            reasons.extend(light::overlap(answer));
+            reasons.extend(light::overlaps(answer));
             reasons.extend(light::directions(answer));
         }
         reasons.sort_by_key(|reason| std::cmp::Reverse(reason.level));

@@ -28,10 +28,6 @@ impl Places {
         self.by_face.is_empty()
     }
 
-    pub fn has(&self, face: usize) -> bool {
-        self.by_face.contains_key(&face)
-    }
-
     /// The part of the emitted power, in the channel where it is largest.
     pub fn share(&self, emitted: &[f64]) -> f64 {
         let share = |(power, &emitted): (&f64, &f64)| if emitted > 0.0 { power / emitted } else { 0.0 };
@@ -51,7 +47,8 @@ impl Places {
     }
 }
 
-/// π A |x| of a field of radiance, or A |x| of irradiance with `factor` 1, W, for the coefficients that `is_wrong` picks.
+/// π A |x| of a field of radiance, or A |x| of irradiance with `factor` 1, W, for the coefficients that
+/// `is_wrong` picks.
 pub(super) fn power(
     answer: &Answer,
     field: &DMatrix<f64>,

@@ -10,7 +10,8 @@ use super::{Answer, Cause, DOUBTFUL, EXACT, Level, Reason};
 use crate::measure::health::ClosedSurfaces;
 use crate::transport::Exchange;
 
-/// The most solid angles that are summed to find what is inside closed surfaces; patches with the most escaping power come first.
+/// The most solid angles that are summed to find what is inside closed surfaces; patches with the most
+/// escaping power come first.
 const MOST_ANGLES: usize = 2_000_000;
 
 /// A row that lacks more than this part of its area has neither exchange nor escape.
@@ -20,7 +21,7 @@ const EMPTY: f64 = 1.0 - 1e-9;
 #[derive(Default)]
 pub(super) struct Rows {
     pub reasons: Vec<Reason>,
-    /// The part of the emitted power that open rows explain the loss, or gain, of.
+    /// The part of the emitted power that rows lose or gain beside their slack.
     pub open: f64,
 }
 
@@ -39,19 +40,21 @@ pub(super) fn judge(answer: &Answer) -> Rows {
     let (mut open, mut unclosed, mut slack, mut without_rays) = (new(), new(), new(), new());
     let nothing = |patch| Escape { patch, power: vec![0.0; channels], sees_nothing: true };
     let mut escapes: Vec<Escape> = (0..patches.len()).map(nothing).collect();
+    let sums_by_tone: Vec<DMatrix<f64>> = operator.factors().exchanges().iter().map(sums).collect();
     for c in 0..channels {
-        let exchange = operator.exchange_of(c);
-        let (sums, areas, slack_of) = (sums(exchange), exchange.areas(), exchange.slack());
+        let (exchange, sums) = (operator.exchange_of(c), &sums_by_tone[operator.tone_of(c)]);
+        let (areas, slack_of) = (exchange.areas(), exchange.slack());
         let usual = areas.dot(&solution.irradiance.column(c)) / areas.sum();
         for i in 0..operator.len() {
             let face = patches.place(i / each).face;
             let sent = PI * patches.unit_of_area() * solution.radiance[(i, c)].abs();
             let lack = areas[i] - sums[i] - exchange.leaving()[i];
-            open.add(face, c, sent * (lack - slack_of[i]).abs());
+            let unexplained = (lack - slack_of[i]).abs();
+            open.add(face, c, sent * unexplained);
             if lack > EMPTY * areas[i] {
                 without_rays.add(face, c, patches.unit_of_area() * areas[i] * usual);
-            } else if (lack - slack_of[i]).abs() > EXACT * areas[i] {
-                unclosed.add(face, c, sent * (lack - slack_of[i]).abs());
+            } else if unexplained > EXACT * areas[i] {
+                unclosed.add(face, c, sent * unexplained);
             }
             if slack_of[i] > EXACT * areas[i] {
                 slack.add(face, c, sent * slack_of[i]);

@@ -5,6 +5,7 @@ mod effects;
 mod form_factors;
 mod plan;
 mod study;
+mod verdict;
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
