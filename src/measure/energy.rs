@@ -20,6 +20,8 @@ pub struct Energy {
     pub carriers: Vec<f64>,
     /// What paths lose that are cut short.
     pub lost: Vec<f64>,
+    /// π Σ L·slack, what rows of form factors lack that could not be closed, see [`Exchange::slack`](crate::transport::Exchange::slack).
+    pub slack: Vec<f64>,
     /// (emitted − the rest) / emitted, the largest absolute value over channels.
     pub imbalance: f64,
 }
@@ -54,6 +56,7 @@ impl Energy {
             escaped: of_channels(&|c| emitted[c] - arrived[c] - carriers[c] - given_up[c]),
             lost: of_channels(&|c| reflected[c] + given_up[c]),
             carriers,
+            slack: vec![0.0; k.channels()],
             imbalance: 0.0,
             emitted,
         }
@@ -82,12 +85,16 @@ impl Energy {
         for (sum, kept) in [&mut carriers, &mut lost].into_iter().zip(kept(sources, channels, unit)) {
             sum.iter_mut().zip(kept).for_each(|(sum, kept)| *sum += kept);
         }
+        let slack = weigh(&|i, c| PI * k.exchange_of(c).slack()[i] * l[(i, c)]);
         let off = |c: usize| match emitted[c] {
             0.0 => 0.0,
-            emitted => ((emitted - absorbed[c] - escaped[c] - carriers[c] - lost[c]) / emitted).abs(),
+            emitted => {
+                let found = absorbed[c] + escaped[c] + carriers[c] + lost[c] + slack[c];
+                ((emitted - found) / emitted).abs()
+            }
         };
         let imbalance = (0..channels).map(off).fold(0.0, f64::max);
-        Self { emitted, absorbed, escaped, carriers, lost, imbalance }
+        Self { emitted, absorbed, escaped, carriers, lost, slack, imbalance }
     }
 }
 

@@ -9,6 +9,7 @@ mod energy;
 mod error_bars;
 mod health;
 mod path_tracer;
+mod slack;
 mod study;
 mod undershoot;
 
@@ -23,8 +24,9 @@ pub use comparison::{
 };
 pub use energy::Energy;
 pub use error_bars::{ErrorBars, ErrorBudget, ErrorPart};
-pub use health::{Finding, Verdict, mesh_health, operator_health};
+pub use health::{Finding, ObjectOverlap, Verdict, mesh_health, operator_health, overlaps};
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
+pub use slack::{FaceSlack, Slack};
 pub use study::{
     Cell, Conclusions, FaceError, Grid, LeftOut, OrderTrend, Reading, ReferenceSide, Slope, Solving, Study,
     StudyOptions, StudyReference, StudyRow, StudySolver, Target, Trend, Turn, Want,

@@ -137,6 +137,8 @@ pub struct EnergySummary {
     pub carriers: [f64; 3],
     /// What paths lose that are cut short.
     pub lost: [f64; 3],
+    /// What is missing because rows of form factors could not be closed.
+    pub slack: [f64; 3],
     /// (emitted − the rest) / emitted, the largest over channels.
     pub imbalance: f64,
 }
@@ -149,6 +151,7 @@ impl From<&Energy> for EnergySummary {
             escaped: to_rgb(&energy.escaped),
             carriers: to_rgb(&energy.carriers),
             lost: to_rgb(&energy.lost),
+            slack: to_rgb(&energy.slack),
             imbalance: energy.imbalance,
         }
     }

@@ -20,9 +20,9 @@ pub struct FaceRow {
     pub face: usize,
     /// Front or back.
     pub side: Side,
-    /// The face's area, m².
+    /// Area of what no other face covers of it, m².
     pub area: f64,
-    /// The field's average per channel; parts that no light reaches count as zero.
+    /// The field's average per channel over that; parts that no light reaches count as zero.
     pub mean: Vec<f64>,
 }
 
@@ -39,7 +39,7 @@ impl Patches<'_> {
         sides
             .filter(|(_, _, patches)| !patches.is_empty())
             .map(|(face, side, patches)| {
-                let area = self.face_area(face);
+                let area = self.bare_area(face, side);
                 let mean =
                     |c: usize| patches.clone().map(|i| self.areas[i] * field[(i, c)]).sum::<f64>() / area;
                 let mean = (0..field.ncols()).map(mean).collect();

@@ -168,6 +168,11 @@ impl Flat {
         DVec3::from(self.axes.map(|axis| (p - self.origin).dot(axis)))
     }
 
+    /// The part of a line of the plane that lies within the face.
+    pub fn line(&self, ends: [DVec3; 2]) -> Option<[DVec2; 2]> {
+        self.clip(ends.map(|end| self.place(end).truncate()))
+    }
+
     /// The part of a line that lies within the face.
     fn clip(&self, [p, q]: [DVec2; 2]) -> Option<[DVec2; 2]> {
         let (mut from, mut to) = (0.0f64, 1.0f64);

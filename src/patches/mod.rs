@@ -130,6 +130,8 @@ pub struct Patches<'s> {
     edge: f64,
     /// Whether light comes through any face.
     is_translucent: bool,
+    /// Per slot, whether another face covers it; empty where no faces coincide.
+    covered: Vec<bool>,
 }
 
 /// The patch of a slot that is none.
@@ -199,7 +201,9 @@ impl<'s> Patches<'s> {
             etendues: Vec::new(),
             edge,
             is_translucent: (0..faces).any(|f| kept(f) && scene.material_of(f).transmittance().is_some()),
+            covered: Vec::new(),
         };
+        patches.covered = patches.covered_slots(tracer);
         patches.per_area = patches.etendues_per_area(tracer);
         Ok(patches)
     }
@@ -245,10 +249,7 @@ impl<'s> Patches<'s> {
             .iter()
             .map(|&slot| {
                 let Slot { face, cell, .. } = self.slot(slot);
-                let [a, b, c] = self.cuts.corners(face, cell);
-                // A cell's share of its face is the area of its barycentric triangle.
-                let share = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
-                share * self.face_area(face)
+                cell_share(self.cuts.corners(face, cell)) * self.face_area(face)
             })
             .collect();
         if !self.per_area.is_empty() {
@@ -396,6 +397,36 @@ impl<'s> Patches<'s> {
         self.etendues()[patch] * self.frame.scale().powi(2)
     }
 
+    /// For each slot whether another face covers it, told at its centre; nothing at all where no faces coincide.
+    fn covered_slots(&self, tracer: &Tracer) -> Vec<bool> {
+        if tracer.overlaps().is_empty() {
+            return Vec::new();
+        }
+        let is_covered = |slot: u32| {
+            let Slot { face, side, .. } = self.slot(slot);
+            !tracer.covers(face, side).is_empty()
+                && tracer.is_covered(face as u32, side, self.facet(tracer, slot).centre())
+        };
+        (0..self.slots() as u32).into_par_iter().map(is_covered).collect()
+    }
+
+    /// Whether another face covers a slot, so that it is met by nothing and never becomes a patch.
+    pub(crate) fn is_covered(&self, slot: u32) -> bool {
+        self.covered.get(slot as usize).is_some_and(|&covered| covered)
+    }
+
+    /// Area of what no other face covers of a face's side, normalised frame.
+    fn bare_area(&self, face: usize, side: Side) -> f64 {
+        let all = self.face_area(face);
+        if self.covered.is_empty() {
+            return all;
+        }
+        let first = self.first_slot_of(face, side);
+        let covered = self.slots_of(face, side).filter(|&slot| self.is_covered(slot));
+        let share = |slot: u32| cell_share(self.cuts.corners(face, slot - first));
+        all * (1.0 - covered.map(share).sum::<f64>()).max(0.0)
+    }
+
     /// Area of a face, normalised frame.
     fn face_area(&self, face: usize) -> f64 {
         let [a, b, c] = self.scene.corners(face).map(|p| self.frame.from_world(p));
@@ -469,6 +500,11 @@ impl<'s> Patches<'s> {
         };
         emitting.map(group).filter(|group| group.sources.amax() > 0.0).collect()
     }
+}
+
+/// A cell's share of its face: the area of its barycentric triangle.
+fn cell_share([a, b, c]: [Barycentrics; 3]) -> f64 {
+    ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
 }
 
 /// The lamps of one material.

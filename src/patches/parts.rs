@@ -3,6 +3,8 @@
 //! Lines that run along one another, or along the face's border, are made one; ends that lie near a line or another end are moved there. What
 //! is left is triangulated with these lines as edges (constrained Delaunay triangulation, by `spade`). Where that comes to nothing a
 //! face stays whole.
+//!
+//! The outlines of what covers a face in its own plane part it exactly, however small it is: a patch is covered or it is not.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -22,8 +24,14 @@ const NEAR: f64 = 0.25;
 /// Lines and ends as near as this to one another are made one, as a share of the patches' legs.
 const WELD: f64 = 0.05;
 
+/// The same for the outlines of what covers a face, as a share of its longest side: rounding alone.
+const EXACT_WELD: f64 = 1e-9;
+
 /// Lines on one face, at most.
 const MOST_LINES: usize = 512;
+
+/// Edges of outlines on one face, at most; beyond that the centre of a patch decides whether it is covered.
+const MOST_OUTLINES: usize = 8192;
 
 /// Triangles of less than this share of their face are rounding, no parts.
 const DUST: f64 = 1e-13;
@@ -50,6 +58,8 @@ struct Parted {
     face: usize,
     /// Its longest side, normalised.
     longest: f64,
+    /// Whether another face covers some of it.
+    is_covered: bool,
     parts: Vec<Part>,
 }
 
@@ -64,11 +74,11 @@ impl Parts {
     }
 
     /// The parts of a face for patches of legs up to `edge`; none if it stays whole, as every face does that is no larger than a
-    /// patch.
+    /// patch and that no other covers.
     pub fn of(&self, face: usize, edge: f64) -> Option<&[Part]> {
         let place = self.0.binary_search_by_key(&face, |parted| parted.face).ok()?;
-        let Parted { longest, parts, .. } = &self.0[place];
-        (*longest > edge).then_some(parts.as_slice())
+        let Parted { longest, is_covered, parts, .. } = &self.0[place];
+        (*is_covered || *longest > edge).then_some(parts.as_slice())
     }
 
     /// Into how many cells a face with these corners is cut for patches of legs up to `edge`.
@@ -105,22 +115,29 @@ impl<'t> Parting<'t> {
 }
 
 impl Parts {
-    /// Parts every diffuse face longer than `edge`.
+    /// Parts every diffuse face that is longer than `edge` or covered by another.
     fn find(tracer: &Tracer, contacts: &Contacts, edge: f64) -> Self {
         let part = |face: usize| {
             let corners = tracer.corners(face);
             let longest = (0..3).map(|k| corners[k].distance(corners[(k + 1) % 3])).fold(0.0, f64::max);
-            if longest <= edge || !tracer.scene().is_diffuse(face) {
+            let outlines = tracer.outlines_of_covers(face);
+            if (longest <= edge && outlines.is_empty()) || !tracer.scene().is_diffuse(face) {
                 return None;
             }
             let flat = Flat::new(corners, tracer.normal(face, Side::Front));
-            let lines = contacts.lines_on(face, &flat, NEAR * edge, WELD * edge);
-            let welded = Welded::new(&flat.corners, lines, WELD * edge);
+            let lines = match longest > edge {
+                true => contacts.lines_on(face, &flat, NEAR * edge, WELD * edge),
+                false => Vec::new(),
+            };
+            let mut welded = Welded::new(&flat.corners, EXACT_WELD * longest);
+            welded.add_outlines(outlines.iter().filter_map(|&ends| flat.line(ends)));
+            welded.weld = WELD * edge;
+            welded.add_lines(lines);
             let parts = triangulate(&flat.corners, welded.drawn())?.into_iter().map(|on_face| {
                 let [a, b, c] = *corners;
                 Part { on_face, corners: on_face.map(|w| a + (b - a) * w.x + (c - a) * w.y) }
             });
-            Some(Parted { face, longest, parts: parts.collect() })
+            Some(Parted { face, longest, is_covered: !outlines.is_empty(), parts: parts.collect() })
         };
         Self((0..tracer.scene().faces().len()).into_par_iter().filter_map(part).collect())
     }
@@ -134,13 +151,20 @@ struct Welded {
 }
 
 impl Welded {
-    fn new(corners: &[DVec2; 3], mut lines: Vec<Line>, weld: f64) -> Self {
-        let mut welded = Self { weld, lines: [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]).to_vec() };
-        // Lines that touch stay where they are, and long ones before short ones.
+    fn new(corners: &[DVec2; 3], weld: f64) -> Self {
+        Self { weld, lines: [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]).to_vec() }
+    }
+
+    /// Adds the outlines of what covers the face.
+    fn add_outlines(&mut self, lines: impl Iterator<Item = [DVec2; 2]>) {
+        lines.take(MOST_OUTLINES).for_each(|ends| self.add(ends));
+    }
+
+    /// Adds the lines of contacts. Those that touch stay where they are, and long ones before short ones.
+    fn add_lines(&mut self, mut lines: Vec<Line>) {
         let length = |line: &Line| line.ends[0].distance_squared(line.ends[1]);
         lines.sort_by(|a, b| b.touches.cmp(&a.touches).then(length(b).total_cmp(&length(a))));
-        lines.iter().take(MOST_LINES).for_each(|line| welded.add(line.ends));
-        welded
+        lines.iter().take(MOST_LINES).for_each(|line| self.add(line.ends));
     }
 
     /// The lines within the face.
@@ -279,7 +303,8 @@ mod tests {
         let unit = [DVec2::ZERO, DVec2::X, DVec2::Y];
         for (face, seed) in faces().into_iter().flat_map(|face| (0..40).map(move |seed| (face, seed))) {
             let lines = scribbles(face, seed, [1, 3, 10, 50][seed as usize % 4]);
-            let welded = Welded::new(&face, lines, 0.003);
+            let mut welded = Welded::new(&face, 0.003);
+            welded.add_lines(lines);
             let Some(triangles) = triangulate(&face, welded.drawn()) else {
                 assert!(welded.drawn().is_empty(), "{face:?} {seed}");
                 continue;
@@ -333,7 +358,8 @@ mod tests {
             (vec![line((0.3, 0.2), (0.5, 0.05))], 2),
             (vec![line((0.4, 0.3), (0.4, 0.151))], 3),
         ] {
-            let welded = Welded::new(&face, [vec![long], others.clone()].concat(), 0.005);
+            let mut welded = Welded::new(&face, 0.005);
+            welded.add_lines([vec![long], others.clone()].concat());
             assert_eq!(welded.drawn().len(), count, "{others:?}: {:?}", welded.drawn());
         }
     }

@@ -77,7 +77,7 @@ impl Patches<'_> {
             (0..self.scene.faces().len()).flat_map(|face| Side::BOTH.map(|side| self.slots_of(face, side)));
         let mut found = Vec::new();
         for side in sides {
-            let slots: Vec<u32> = side.clone().collect();
+            let slots: Vec<u32> = side.clone().filter(|&slot| !self.is_covered(slot)).collect();
             let landings = self.look(tracer, &slots, CARE * rays, options.seed).concat();
             if !landings.is_empty() {
                 found.push(side.start);
@@ -136,7 +136,9 @@ impl Patches<'_> {
                 wave = next;
             }
             // Let the dark ones look for light; each looks around once and remembers.
-            let dark: Vec<u32> = (0..slots as u32).filter(|&s| !reached[s as usize] && may_look(s)).collect();
+            let dark: Vec<u32> = (0..slots as u32)
+                .filter(|&s| !reached[s as usize] && may_look(s) && !self.is_covered(s))
+                .collect();
             let unasked: Vec<u32> = dark.iter().copied().filter(|&s| seen_by[s as usize].is_none()).collect();
             options.progress.at("patch", 0.6)?;
             let looks = self.look(tracer, &unasked, rays, options.seed);
@@ -193,7 +195,7 @@ impl Patches<'_> {
     fn look_at_lamps(&self, tracer: &Tracer, lamps: &Lamps, slots: &[u32], seed: u64) -> Vec<Option<u32>> {
         let look_from = |&slot: &u32| {
             let facet = self.facet(tracer, slot);
-            let view = lamps.view_from(&[(facet.centre(), 1.0)], facet.normal);
+            let view = lamps.view_from(&facet.corners, facet.normal, &[(facet.centre(), 1.0)]);
             let sequence = Sequence::new(seed, LAMP_STREAM + slot as u64, 0);
             (0..LAMP_LOOKS).find_map(|k| {
                 let [s, t, u, v] = sequence.point(k);
@@ -213,7 +215,7 @@ impl Patches<'_> {
         let channels = self.scene.channels();
         let is_lit = |slot: u32| {
             let facet = self.facet(tracer, slot);
-            if tracer.is_carrier(facet.face) {
+            if tracer.is_carrier(facet.face) || self.is_covered(slot) {
                 return false;
             }
             let sequence = Sequence::new(seed, LIGHT_STREAM + u64::from(slot), 0);
@@ -230,14 +232,15 @@ impl Patches<'_> {
         lit
     }
 
-    /// Whether a slot may become a patch: backs may not where they are left out.
+    /// Whether a slot may become a patch: what is covered may not, nor backs where they are left out.
     pub(crate) fn is_wanted(&self, slot: u32) -> bool {
-        !self.scene.is_without(Feature::BackSides) || self.slot(slot).side == Side::Front
+        let has_side = !self.scene.is_without(Feature::BackSides) || self.slot(slot).side == Side::Front;
+        has_side && !self.is_covered(slot)
     }
 
     fn emits(&self, slot: u32) -> bool {
         let place = self.slot(slot);
-        place.side == Side::Front && self.scene.material_of(place.face).emits()
+        place.side == Side::Front && self.scene.material_of(place.face).emits() && !self.is_covered(slot)
     }
 
     /// Which part of a face's front and back is reached.

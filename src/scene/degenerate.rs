@@ -24,9 +24,10 @@ pub(super) fn drop_degenerate(
             flat += 1;
             continue;
         }
-        // Adding zero makes -0.0 and 0.0 the same corner.
+        // Adding zero makes -0.0 and 0.0 the same corner. A face with the same corners and the other winding lies back to back and stays.
         let mut corners = [a, b, c].map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));
-        corners.sort_unstable();
+        let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
+        corners.rotate_left(first);
         let emits = materials[face.material as usize].emits();
         match emits_at.entry(corners) {
             Entry::Vacant(first) => {

@@ -82,7 +82,7 @@ pub enum FaceState {
     Kept,
     /// Dropped: its corners lie on a line or a point.
     ZeroArea,
-    /// Dropped: an earlier face has the same three corners.
+    /// Dropped: an earlier face has the same three corners in the same winding.
     Duplicate,
     /// Left out with the feature it belongs to.
     LeftOut,

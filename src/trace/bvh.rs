@@ -86,10 +86,11 @@ impl Bvh {
         Self { nodes, corners, faces }
     }
 
-    pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
+    /// The first face that the ray meets, other than `ray.from` and those `skipped`.
+    pub fn closest_hit(&self, ray: &Ray, skipped: &[u32]) -> Option<Hit> {
         let mut best =
             Hit { face: u32::MAX, side: Side::Front, distance: f64::INFINITY, barycentrics: [0.0; 2] };
-        let (ray, skipped) = approach(ray);
+        let (ray, ahead) = approach(ray);
         let shear = Shear::new(ray.origin, ray.direction);
         self.walk(Child::default(), &Slabs::new(&ray), f32::INFINITY, &mut |k| {
             let face = self.faces[k];
@@ -97,6 +98,7 @@ impl Bvh {
                 && let Some(crossing) = shear.cross(&self.corners[k])
                 && crossing.distance > SKIN
                 && (crossing.distance, face) < (best.distance, best.face)
+                && !skipped.contains(&face)
             {
                 best = Hit {
                     face,
@@ -107,21 +109,22 @@ impl Bvh {
             }
             round_up(best.distance)
         });
-        best.distance += skipped;
+        best.distance += ahead;
         (best.face != u32::MAX).then_some(best)
     }
 
-    /// Whether some face other than `ray.from` and `to` is met before distance `limit`.
-    pub fn any_hit(&self, ray: &Ray, to: u32, limit: f64) -> bool {
-        let (ray, skipped) = approach(ray);
-        let limit = limit - skipped;
+    /// Whether some face other than `ray.from`, `to` and those `skipped` is met before distance `limit`.
+    pub fn any_hit(&self, ray: &Ray, (to, skipped): (u32, [&[u32]; 2]), limit: f64) -> bool {
+        let (ray, ahead) = approach(ray);
+        let limit = limit - ahead;
         let shear = Shear::new(ray.origin, ray.direction);
         let mut met = false;
         self.walk(Child::default(), &Slabs::new(&ray), round_up(limit), &mut |k| {
             let face = self.faces[k];
             met |= face != ray.from
                 && face != to
-                && shear.cross(&self.corners[k]).is_some_and(|c| c.distance > SKIN && c.distance < limit);
+                && shear.cross(&self.corners[k]).is_some_and(|c| c.distance > SKIN && c.distance < limit)
+                && skipped.iter().all(|skipped| !skipped.contains(&face));
             if met { f32::NEG_INFINITY } else { round_up(limit) }
         });
         met

@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::Tracer;
 use super::sampling::uniform_triangle;
+use super::{IN_PLANE, Tracer, can_face};
 use crate::scene::{FaceState, Side};
 
 /// Lamps are the brightest faces that together give this share of the emitted power...
@@ -142,18 +142,24 @@ impl Lamps {
         side == Side::Front && self.lamp_of_face[face] != NONE
     }
 
-    /// How lamps look from a flat surface with this normal, on average over points with these parts of it.
-    pub fn view_from(&self, points: &[(DVec3, f64)], normal: DVec3) -> LampView {
+    /// How lamps look from a flat surface with these corners and this normal, on average over points with these parts of it. For a
+    /// single point it is its own corner.
+    pub fn view_from(&self, corners: &[DVec3], normal: DVec3, points: &[(DVec3, f64)]) -> LampView {
         if self.faces.len() > MOST_PLACED {
             return LampView { chances: self.by_power.clone(), unoccluded: None };
         }
+        let faces = |lamp: &LampFace| can_face((corners, normal), (&lamp.corners, lamp.normal));
         let centre = points.iter().map(|&(point, part)| part * point).sum();
         if self.faces.len() > MOST_EXACT {
-            let chances = accumulate(self.faces.iter().map(|lamp| lamp.estimate(centre, normal)));
+            let chance = |lamp: &LampFace| if faces(lamp) { lamp.estimate(centre, normal) } else { 0.0 };
+            let chances = accumulate(self.faces.iter().map(chance));
             return LampView { chances, unoccluded: None };
         }
         let mut unoccluded = 0.0;
         let chances = accumulate(self.faces.iter().map(|lamp| {
+            if !faces(lamp) {
+                return 0.0;
+            }
             let from = |&(p, part): &(DVec3, f64)| part * form_factor_to_triangle(p, normal, &lamp.corners);
             let contribution = lamp.brightness * points.iter().map(from).sum::<f64>();
             unoccluded += contribution;
@@ -245,10 +251,12 @@ impl LampFace {
 }
 
 /// Form factor from a point with a normal to the front of a triangle, where nothing stands in between: Lambert's formula
-/// (1760), (1/2π) Σ θ_k n·Γ_k over the edges of what is above the horizon.
+/// (1760), (1/2π) Σ θ_k n·Γ_k over the edges of what is above the horizon. 0 where the triangle can't be faced, see [`can_face`].
 pub fn form_factor_to_triangle(point: DVec3, normal: DVec3, corners: &[DVec3; 3]) -> f64 {
     let [a, b, c] = corners.map(|corner| corner - point);
-    if (b - a).cross(c - a).dot(a) >= 0.0 {
+    let across = (b - a).cross(c - a);
+    let is_above = |corner: DVec3| normal.dot(corner) > IN_PLANE;
+    if -across.dot(a) <= IN_PLANE * across.length() || ![a, b, c].into_iter().any(is_above) {
         return 0.0;
     }
     // Clip at the horizon: at most four corners remain.
@@ -276,13 +284,15 @@ pub fn form_factor_to_triangle(point: DVec3, normal: DVec3, corners: &[DVec3; 3]
     (-(0..count).map(edge).sum::<f64>() * 0.5 * FRAC_1_PI).max(0.0)
 }
 
-/// cos θ cos θ′ / (π r²) between two points with their normals: the form factor per unit of area there.
+/// cos θ cos θ′ / (π r²) between two points with their normals: the form factor per unit of area there; 0 where they can't face each
+/// other, see [`can_face`].
 #[inline]
 pub fn geometry_term((p, normal): (DVec3, DVec3), (q, other): (DVec3, DVec3)) -> f64 {
     let between = q - p;
     let squared = between.length_squared();
     let (here, there) = (normal.dot(between), -other.dot(between));
-    if here <= 0.0 || there <= 0.0 { 0.0 } else { here * there * FRAC_1_PI / (squared * squared) }
+    // The products are the heights of either point over the other's plane.
+    if here.min(there) <= IN_PLANE { 0.0 } else { here * there * FRAC_1_PI / (squared * squared) }
 }
 
 fn bounds(cumulative: &[f64], k: usize) -> (f64, f64) {
@@ -316,7 +326,7 @@ mod tests {
         let tracer = Tracer::new(&scene);
         let lamps = Lamps::new(&tracer);
         for (p, normal) in [(DVec3::new(0.3, -0.9, 0.2), DVec3::Y), (DVec3::new(-0.9, 0.7, 0.1), DVec3::X)] {
-            let view = lamps.view_from(&[(p, 1.0)], normal);
+            let view = lamps.view_from(&[p], normal, &[(p, 1.0)]);
             let n = 1 << 14;
             let sampled: f64 = (0..n)
                 .map(|k| {

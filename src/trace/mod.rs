@@ -11,8 +11,10 @@ mod bvh;
 mod coat;
 mod convex;
 mod environment;
+mod facing;
 mod gloss;
 mod lamps;
+mod layers;
 mod lights;
 mod media;
 pub mod sampling;
@@ -29,8 +31,11 @@ use crate::scene::{FaceState, Scene, Side, Surface};
 use bvh::Bvh;
 pub use coat::Coat;
 pub use convex::{Enclosure, NotConvex};
+pub use facing::{IN_PLANE, can_face};
 use gloss::Gloss;
 pub use lamps::{LampPoint, LampView, Lamps, form_factor_to_triangle, geometry_term};
+use layers::Layers;
+pub use layers::{Overlap, OverlapKind};
 pub use lights::{Beam, Lights, solid_angle};
 use media::Media;
 pub use scatter::{Destination, Glossy, Scattered, Tint, fresnel};
@@ -139,6 +144,8 @@ pub struct Tracer<'s> {
     has_panes: bool,
     /// What lies around solids of glass.
     media: Media,
+    /// Which of coinciding faces is on top.
+    layers: Layers,
     bvh: Bvh,
 }
 
@@ -151,13 +158,16 @@ impl<'s> Tracer<'s> {
         let frame = Frame::around(kept.iter().flat_map(|&f| scene.corners(f as usize)));
         let corners: Vec<[DVec3; 3]> =
             (0..scene.faces().len()).map(|f| scene.corners(f).map(|p| frame.from_world(p))).collect();
-        let normals = corners.iter().map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero()).collect();
+        let normals: Vec<DVec3> =
+            corners.iter().map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero()).collect();
         let bvh = Bvh::new(&corners, &kept);
+        let layers = Layers::new(scene, (&corners, &normals), &kept, frame.scale().powi(2));
         let is_pane = |&f: &u32| matches!(scene.material_of(f as usize).surface, Surface::Pane { .. });
         let has_panes = kept.iter().any(is_pane);
         let (encounters, finishes) = (encounters_of(scene), finishes_of(scene));
         let media = Media::default();
-        let tracer = Self { scene, frame, corners, normals, encounters, finishes, has_panes, media, bvh };
+        let tracer =
+            Self { scene, frame, corners, normals, encounters, finishes, has_panes, media, layers, bvh };
         Self { media: Media::new(&tracer), ..tracer }
     }
 
@@ -226,21 +236,39 @@ impl<'s> Tracer<'s> {
         }
     }
 
-    /// The first face that the ray meets, if any. Equally near faces: the lower number.
+    /// The first face that the ray meets, if any: of coinciding faces the one on top, of equally near ones the lower number.
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        self.bvh.closest_hit(ray)
+        if self.layers.is_empty() {
+            return self.bvh.closest_hit(ray, &[]);
+        }
+        self.bvh.closest_hit(ray, self.layers.twins(ray.from)).map(|hit| self.hit_on_top(hit))
     }
 
-    /// Whether two points on two faces see each other, in front of or behind those faces alike.
+    /// Whether two points on two faces see each other, in front of or behind those faces alike. A point that another face covers sees
+    /// nothing.
     pub fn unoccluded(&self, (p, from): (DVec3, u32), (q, to): (DVec3, u32)) -> bool {
         let distance = p.distance(q);
-        let ray = Ray { origin: p, direction: (q - p) / distance, from };
-        !self.bvh.any_hit(&ray, to, distance - SKIN)
+        let direction = (q - p) / distance;
+        let ray = Ray { origin: p, direction, from };
+        if self.layers.is_empty() {
+            return !self.bvh.any_hit(&ray, (to, [&[]; 2]), distance - SKIN);
+        }
+        let covered =
+            self.is_covered_towards((p, from), direction) || self.is_covered_towards((q, to), -direction);
+        let skipped = [from, to].map(|face| self.layers.twins(face));
+        !covered && !self.bvh.any_hit(&ray, (to, skipped), distance - SKIN)
+    }
+
+    /// Whether another face covers a point of a face on the side that looks in a direction.
+    pub fn is_covered_towards(&self, (point, face): (DVec3, u32), direction: DVec3) -> bool {
+        let Some(normal) = self.normals.get(face as usize) else { return false };
+        let side = if normal.dot(direction) >= 0.0 { Side::Front } else { Side::Back };
+        self.is_covered(face, side, point)
     }
 
     /// Whether a ray meets nothing nearer than `distance` (normalised, or infinite).
     pub fn is_clear(&self, ray: &Ray, distance: f64) -> bool {
-        !self.bvh.any_hit(ray, Ray::FREE, distance - SKIN)
+        !self.bvh.any_hit(ray, (Ray::FREE, [self.layers.twins(ray.from), &[]]), distance - SKIN)
     }
 }
 

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use sprs::CsMatI;
 
 use super::assembly::{Leaving, Raw, assemble};
-use super::balance::{self, Closure};
+use super::balance::{self, Balanced, Closure, RowSums};
 use super::mass::Mass;
 use super::rays::Rows;
 use super::shrinkage;
@@ -23,21 +23,30 @@ use crate::progress::{Cancelled, Progress};
 pub struct Exchange {
     storage: Storage,
     scale: DVector<f64>,
-    /// What ends elsewhere than on patches, N values.
-    leaving: DVector<f64>,
-    /// Which shares of it are absorbed by carriers and lost, N values each; none without carriers.
-    in_carriers: Option<[DVector<f64>; 2]>,
+    ends: Ends,
     mass: Mass,
     closure: Closure,
     /// τ, by which what varies within patches was taken.
     shrinkage: f64,
 }
 
+/// What rows do not share out among patches, in units of exchange areas.
+#[derive(Clone, Debug)]
+pub(super) struct Ends {
+    /// What ends elsewhere than on patches, N values.
+    pub leaving: DVector<f64>,
+    /// Which shares of it are absorbed by carriers and lost, N values each; none without carriers.
+    pub in_carriers: Option<[DVector<f64>; 2]>,
+    /// What rows that could not be closed lack, N values.
+    pub slack: DVector<f64>,
+}
+
 impl Exchange {
     /// Balances raw exchange areas `storage` and escapes (N values) between coefficients of this mass, any common unit; the areas
     /// of patches are the mass of constant elements.
     ///
-    /// `lamps` (N flags) marks those whose entries are known better than the others' and are not to bear their noise.
+    /// `lamps` (N flags) marks those whose entries are known better than the others' and are not to bear their noise. Rows that would have
+    /// to be scaled by more than 4 keep [slack](Exchange::slack).
     ///
     /// # Errors
     /// `Cancelled`.
@@ -45,51 +54,68 @@ impl Exchange {
     /// # Panics
     /// If the dimensions differ or the matrix is not symmetric in shape.
     pub fn new(
-        mut storage: Storage,
-        mut escape: DVector<f64>,
+        storage: Storage,
+        escape: DVector<f64>,
         mass: impl Into<Mass>,
         lamps: &[bool],
         progress: Progress,
     ) -> Result<Self, Cancelled> {
-        let mass = mass.into();
+        let leaving = Leaving { all: escape, in_carriers: None };
+        let raw = Raw { storage, leaving, is_lamp: lamps.to_vec() };
+        Self::balanced(raw, mass.into(), balance::most_scale(None), progress)
+    }
+
+    /// Balances raw exchange areas by scales of at most `most_scale`.
+    fn balanced(
+        Raw { mut storage, leaving: Leaving { all: mut leaving, in_carriers }, is_lamp: lamps }: Raw,
+        mass: Mass,
+        most_scale: f64,
+        progress: Progress,
+    ) -> Result<Self, Cancelled> {
         let n = mass.len();
         let shape = match &storage {
             Storage::Dense(m) => m.shape(),
             Storage::Sparse(m) => m.shape(),
             Storage::Blocks(m) => (3 * m.patches(), 3 * m.patches()),
         };
-        let consistent = shape == (n, n) && escape.len() == n && lamps.len() == n;
+        let consistent = shape == (n, n) && leaving.len() == n && lamps.len() == n;
         assert!(consistent, "N sums of the mass, N escapes, N flags and an N × N matrix");
-        let (scale, closure) = if lamps.contains(&true) {
-            balance::balance_around_lamps(&mut storage, &escape, mass.sums(), lamps, progress)?
+        let sums = RowSums { escape: &leaving, target: mass.sums(), most_scale };
+        let Balanced { scale, slack, closure } = if lamps.contains(&true) {
+            balance::balance_around_lamps(&mut storage, sums, &lamps, progress)?
         } else {
-            balance::balance(&storage, &escape, mass.sums(), &DVector::repeat(n, 1.0), progress)?
+            balance::balance(&storage, sums, &DVector::repeat(n, 1.0), progress)?
         };
-        escape.component_mul_assign(&scale);
-        let (leaving, in_carriers) = (escape, None);
-        let balanced = Self { storage, scale, leaving, in_carriers, mass, closure, shrinkage: 1.0 };
+        leaving.component_mul_assign(&scale);
+        let ends = Ends { leaving, in_carriers, slack };
+        let balanced = Self { storage, scale, ends, mass, closure, shrinkage: 1.0 };
         match balanced.basis() {
             Basis::Constant => Ok(balanced),
-            Basis::Linear => balanced.shrunk(progress),
+            Basis::Linear => balanced.shrunk(most_scale, progress),
         }
     }
 
     /// Takes what varies within patches by the factor that keeps a bounce from adding energy.
-    fn shrunk(self, progress: Progress) -> Result<Self, Cancelled> {
+    fn shrunk(self, most_scale: f64, progress: Progress) -> Result<Self, Cancelled> {
         let shrinkage = shrinkage::needed(&self.storage, &self.scale, &self.mass, progress)?;
         if shrinkage == 1.0 {
             return Ok(self);
         }
-        let Self { storage, scale, mut leaving, in_carriers, mass, closure: before, .. } = self;
+        let Self { storage, scale, mut ends, mass, closure: before, .. } = self;
         let storage = storage.shrunk(&scale, shrinkage);
-        shrinkage::shrink(leaving.as_mut_slice(), shrinkage);
-        // Rows close as before but for rounding.
+        shrinkage::shrink(ends.leaving.as_mut_slice(), shrinkage);
+        shrinkage::shrink(ends.slack.as_mut_slice(), shrinkage);
+        // Rows close, or lack what they lack, as before but for rounding.
         let start = DVector::repeat(mass.len(), 1.0);
-        let (scale, after) = balance::balance(&storage, &leaving, mass.sums(), &start, progress)?;
-        leaving.component_mul_assign(&scale);
+        let target = mass.sums() - &ends.slack;
+        let sums = RowSums { escape: &ends.leaving, target: &target, most_scale };
+        let Balanced { scale, slack, closure: after } = balance::balance(&storage, sums, &start, progress)?;
+        ends.leaving.component_mul_assign(&scale);
+        ends.slack += slack;
         let iterations = before.iterations + after.iterations;
-        let closure = Closure { iterations, after: after.after, ..before };
-        Ok(Self { storage, scale, leaving, in_carriers, mass, closure, shrinkage })
+        let slack = ends.slack.sum() / mass.sums().sum();
+        let closure = Closure { iterations, after: after.after, slack, ..before };
+        Ok(Self { storage, scale, ends, mass, closure, shrinkage })
     }
 
     /// The ideal sphere, S = A Aᵀ / ΣA: every point sees every area alike. Closed forms are known for all its answers.
@@ -107,9 +133,9 @@ impl Exchange {
         let mass = Mass::new(basis, areas);
         let n = mass.len();
         let storage = Storage::Sparse(CsMatI::zero((n, n)));
-        let (scale, leaving) = (DVector::repeat(n, 1.0), mass.sums().clone());
-        let closure = Closure { before: 0.0, after: 0.0, iterations: 0 };
-        Self { storage, scale, leaving, in_carriers: None, mass, closure, shrinkage: 1.0 }
+        let ends = Ends { leaving: mass.sums().clone(), in_carriers: None, slack: DVector::zeros(n) };
+        let closure = Closure { before: 0.0, after: 0.0, iterations: 0, slack: 0.0 };
+        Self { storage, scale: DVector::repeat(n, 1.0), ends, mass, closure, shrinkage: 1.0 }
     }
 
     /// Turns the rows of patches into raw exchange areas of a tone and balances them; without batch `left_out`, if there is one.
@@ -120,22 +146,21 @@ impl Exchange {
         left_out: Option<u32>,
         progress: Progress,
     ) -> Result<Self, Cancelled> {
-        let Raw { storage, leaving: Leaving { all, in_carriers }, is_lamp } =
-            assemble(rows, patches, tone, kind, left_out);
+        let raw = assemble(rows, patches, tone, kind, left_out);
         let mass = Mass::new(rows.recipe.basis, patches.etendues());
-        Ok(Self { in_carriers, ..Self::new(storage, all, mass, &is_lamp, progress)? })
+        Self::balanced(raw, mass, balance::most_scale(Some(rows.recipe.count.rays)), progress)
     }
 
     /// What was balanced before.
     pub(super) fn from_raw(
         storage: Storage,
         scale: DVector<f64>,
-        (leaving, in_carriers): (DVector<f64>, Option<[DVector<f64>; 2]>),
+        ends: Ends,
         mass: Mass,
         closure: Closure,
         shrinkage: f64,
     ) -> Self {
-        Self { storage, scale, leaving, in_carriers, mass, closure, shrinkage }
+        Self { storage, scale, ends, mass, closure, shrinkage }
     }
 
     /// T and D.
@@ -181,30 +206,36 @@ impl Exchange {
 
     /// What ends elsewhere than on patches, N values: it escapes, is absorbed by carriers or is lost.
     pub fn leaving(&self) -> &DVector<f64> {
-        &self.leaving
+        &self.ends.leaving
+    }
+
+    /// What rows lack that no scaling could close, as where faces coincide: (M·1)_i less Σ_j S_ij and what leaves; N values, in the units of
+    /// [`Exchange::leaving`], 0 for rows that close. Light that it stands for is missing from the answer.
+    pub fn slack(&self) -> &DVector<f64> {
+        &self.ends.slack
     }
 
     /// What escapes, ∫ φ_i F_i∞ dA; for constant elements S_i∞ = A_i F_i∞.
     pub fn escape(&self, i: usize) -> f64 {
-        match &self.in_carriers {
-            Some([absorbed, lost]) => self.leaving[i] * (1.0 - absorbed[i] - lost[i]).max(0.0),
-            None => self.leaving[i],
+        match &self.ends.in_carriers {
+            Some([absorbed, lost]) => self.ends.leaving[i] * (1.0 - absorbed[i] - lost[i]).max(0.0),
+            None => self.ends.leaving[i],
         }
     }
 
     /// What mirrors and glass absorb, as [`Exchange::escape`].
     pub fn absorbed(&self, i: usize) -> f64 {
-        self.in_carriers.as_ref().map_or(0.0, |[absorbed, _]| self.leaving[i] * absorbed[i])
+        self.in_carriers().map_or(0.0, |[absorbed, _]| self.ends.leaving[i] * absorbed[i])
     }
 
     /// What is lost in paths that met so many mirrors and surfaces of glass that they were given up, as [`Exchange::escape`].
     pub fn lost(&self, i: usize) -> f64 {
-        self.in_carriers.as_ref().map_or(0.0, |[_, lost]| self.leaving[i] * lost[i])
+        self.in_carriers().map_or(0.0, |[_, lost]| self.ends.leaving[i] * lost[i])
     }
 
     /// The shares of what leaves that are absorbed and lost, where there are carriers.
     pub(super) fn in_carriers(&self) -> Option<&[DVector<f64>; 2]> {
-        self.in_carriers.as_ref()
+        self.ends.in_carriers.as_ref()
     }
 
     /// How well rows close, before and after balancing.
@@ -270,12 +301,12 @@ impl Exchange {
         (0..self.len()).into_par_iter().map(error_of).reduce(|| 0.0, f64::max)
     }
 
-    /// The largest |D_i (T D)_i + what leaves − (M·1)_i| / (M·1)_i, recomputed.
+    /// The largest |D_i (T D)_i + what leaves + slack_i − (M·1)_i| / (M·1)_i, recomputed.
     pub fn closure_error(&self) -> f64 {
         let n = self.len();
         let mut sums = DMatrix::zeros(n, 1);
         self.apply(&DMatrix::repeat(n, 1, 1.0), &mut sums);
-        let areas = self.areas();
-        (0..n).map(|i| (sums[i] + self.leaving[i] - areas[i]).abs() / areas[i]).fold(0.0, f64::max)
+        let off = |i: usize| sums[i] + self.leaving()[i] + self.slack()[i] - self.areas()[i];
+        (0..n).map(|i| off(i).abs() / self.areas()[i]).fold(0.0, f64::max)
     }
 }

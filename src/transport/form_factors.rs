@@ -1,6 +1,7 @@
 //! Form factors: F_ij, the fraction of what patch i sends out that lands on patch j.
 
 use super::TransportError;
+use super::agreement::{Disagreement, disagreements};
 use super::blocks::Blocks;
 use super::exchange::Exchange;
 use super::polygons;
@@ -182,6 +183,7 @@ pub struct FormFactors {
     tones: Tones,
     rays: u32,
     rows: Option<Rows>,
+    disagreements: Vec<Disagreement>,
 }
 
 impl FormFactors {
@@ -224,7 +226,9 @@ impl FormFactors {
         let of = |tone: usize| Exchange::from_rows(&rows, (patches, tone), storage, None, progress);
         let exchanges = (0..rows.tones.len()).map(of).collect::<Result<_, _>>()?;
         let (rays, tones) = (rows.recipe.count.rays, rows.tones.clone());
-        Ok(Self { exchanges, tones, rays, rows: (keep == Keep::Rays).then_some(rows) })
+        let disagreements = disagreements(&rows, patches);
+        let rows = (keep == Keep::Rays).then_some(rows);
+        Ok(Self { exchanges, tones, rays, rows, disagreements })
     }
 
     /// How light varies over a patch.
@@ -258,7 +262,7 @@ impl FormFactors {
     /// If there is not one group per coefficient, or one is `groups` or more.
     pub fn merged(&self, group_of: &[usize], groups: usize) -> Self {
         let exchanges = self.exchanges.iter().map(|exchange| exchange.merged(group_of, groups)).collect();
-        Self { exchanges, tones: self.tones.clone(), rays: self.rays, rows: None }
+        Self { exchanges, tones: self.tones.clone(), rays: self.rays, rows: None, disagreements: Vec::new() }
     }
 
     /// The form factors between patches with constant elements on each, as a mean over what linear ones find; `None` where they are that already.
@@ -284,7 +288,7 @@ impl FormFactors {
         rays: u32,
         rows: Option<Rows>,
     ) -> Self {
-        Self { exchanges, tones, rays, rows }
+        Self { exchanges, tones, rays, rows, disagreements: Vec::new() }
     }
 
     /// The rays, if they were kept.
@@ -300,6 +304,12 @@ impl FormFactors {
     /// The rays alone, if they were kept.
     pub(super) fn into_rows(self) -> Option<Rows> {
         self.rows
+    }
+
+    /// The pairs of face sides whose two directions found different exchange areas, by more than [`DISAGREE`](super::DISAGREE) standard
+    /// errors, the worst first: something is wrong with the mesh there. None where rays were not traced.
+    pub fn disagreements(&self) -> &[Disagreement] {
+        &self.disagreements
     }
 
     /// Rays per patch; 0 where they were found without.
@@ -321,6 +331,7 @@ impl FormFactors {
 impl From<Exchange> for FormFactors {
     /// Form factors that come from elsewhere than rays.
     fn from(exchange: Exchange) -> Self {
-        Self { exchanges: vec![exchange], tones: Tones::one(), rays: 0, rows: None }
+        let exchanges = vec![exchange];
+        Self { exchanges, tones: Tones::one(), rays: 0, rows: None, disagreements: Vec::new() }
     }
 }

@@ -92,7 +92,7 @@ pub(super) fn look_at_lamps(
 ) -> Look {
     let [a, b, c] = facet.corners;
     let points: Vec<_> = points.iter().map(|&([u, v], part)| (a + (b - a) * u + (c - a) * v, part)).collect();
-    let view = lamps.view_from(&points, facet.normal);
+    let view = lamps.view_from(&facet.corners, facet.normal, &points);
     // Draw the pairs, and see which are visible.
     let mut pairs = Vec::with_capacity(count.lamp_rays as usize);
     let mut bright = [0.0; BATCHES as usize];
@@ -137,7 +137,9 @@ pub(super) fn look_at_lamps(
     let trust = if sum > 0.0 { by_rays / (by_rays + by_pairs) } else { 0.0 };
     let worth = |p: &Pair| trust * scales[p.seen.batch as usize] * p.weight * p.arriving / m;
     let from_pairs = pairs.iter().filter(|p| p.arriving > 0.0).map(|p| (p.seen, worth(p)));
-    let from_rays = hits.map(|seen| (seen, (1.0 - trust) / n));
+    // What rays find of a lamp that pairs never look at counts whole.
+    let is_looked_at = |seen: &Seen| lamps.pdf(&view, patches.slot(seen.slot).face) > 0.0;
+    let from_rays = hits.map(|seen| (seen, if is_looked_at(&seen) { (1.0 - trust) / n } else { 1.0 / n }));
     let (shares, moments) = merge(from_pairs.chain(from_rays), basis);
     let total: f64 = bright.iter().sum();
     let excess = match known {

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sprs::CsMatI;
 
-use super::exchange::Exchange;
+use super::exchange::{Ends, Exchange};
 use super::mass::Mass;
 use super::storage::Storage;
 
@@ -54,7 +54,8 @@ impl Exchange {
         });
         let mass = Mass::from(over(&|k| self.areas()[k]));
         let scale = DVector::repeat(groups, 1.0);
-        Self::from_raw(storage, scale, (leaving, in_carriers), mass, *self.closure(), 1.0)
+        let ends = Ends { leaving, in_carriers, slack: over(&|k| self.slack()[k]) };
+        Self::from_raw(storage, scale, ends, mass, *self.closure(), 1.0)
     }
 }
 

@@ -4,6 +4,7 @@
 //! the reflectances and is the operator that the solvers invert. The two stay apart so that other reflectances,
 //! lamps and lamp powers cost no rays.
 
+mod agreement;
 mod assembly;
 mod balance;
 mod blocks;
@@ -40,6 +41,7 @@ mod storage;
 mod switches;
 mod tones;
 
+pub use agreement::{DISAGREE, Disagreement};
 pub use balance::Closure;
 pub use blocks::Blocks;
 pub use carried_light::CarriedLight;

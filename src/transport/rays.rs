@@ -50,7 +50,8 @@ impl Goals {
         how: (Recipe, &Tones),
         progress: Progress,
     ) -> Result<Caustics, Cancelled> {
-        let slots: Vec<u32> = self.slots.iter().cloned().flatten().collect();
+        let slots = self.slots.iter().cloned().flatten().filter(|&slot| patches.is_wanted(slot));
+        let slots: Vec<u32> = slots.collect();
         Caustics::trace(tracer, patches, &slots, |slot| self.contain(slot), how, progress)
     }
 

@@ -111,7 +111,7 @@ struct Gather<'a, 's> {
 impl Gather<'_, '_> {
     /// The row of a point, for each tone; adds what its rays find of the sky by way of carriers to its direct light.
     fn row(&self, point: DVec3, place: u32, direct: &mut [f64]) -> Vec<Vec<(u32, f64)>> {
-        let view = self.lamps.view_from(&[(point, 1.0)], self.normal);
+        let view = self.lamps.view_from(&[point], self.normal, &[(point, 1.0)]);
         let frame = frame_around(self.normal);
         let rays = f64::from(self.rays);
         // Density of all samples on a lamp's point, per unit of normalised area: rays find it with density g, lamp samples with p.
@@ -153,7 +153,8 @@ impl Gather<'_, '_> {
                 } else if self.lamps.contains(face, hit.side) {
                     let there = (point + direction * hit.distance, self.tracer.normal(face, hit.side));
                     let g = geometry_term((point, self.normal), there);
-                    if g > 0.0 { share(g, self.lamps.pdf(&view, face)) } else { 0.0 }
+                    // What lamp samples can't face is left to rays.
+                    if g > 0.0 { share(g, self.lamps.pdf(&view, face)) } else { 1.0 / rays }
                 } else {
                     1.0 / rays
                 };

@@ -13,7 +13,7 @@ use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
 use super::blocks::Blocks;
 use super::caustics::{Caustic, Caustics};
-use super::exchange::Exchange;
+use super::exchange::{Ends, Exchange};
 use super::lamp_columns::{LampShare, Look};
 use super::landing::Spot;
 use super::mass::Mass;
@@ -93,8 +93,8 @@ impl FormFactors {
         if same_light && lamps.faces().eq(saved.lamp_faces.iter().copied()) {
             let rows = (keep == Keep::Rays).then(|| saved.read_rows(file)).transpose()?;
             let mass = Mass::new(saved.recipe.basis, patches.etendues());
-            let exchange = |SavedExchange { storage, scale, leaving, closure, shrinkage }| {
-                Exchange::from_raw(storage, scale, leaving, mass.clone(), closure, shrinkage)
+            let exchange = |SavedExchange { storage, scale, ends, closure, shrinkage }| {
+                Exchange::from_raw(storage, scale, ends, mass.clone(), closure, shrinkage)
             };
             let exchanges = saved.exchanges.into_iter().map(exchange).collect();
             let reuse = Reuse { traced: 0, held, balanced: true };
@@ -134,11 +134,12 @@ fn write_exchange(exchange: &Exchange, section: &mut Section) {
     }
     section.some(scale.as_slice());
     section.some(exchange.leaving().as_slice());
+    section.some(exchange.slack().as_slice());
     let in_carriers = exchange.in_carriers();
     section.one(u32::from(in_carriers.is_some()));
     in_carriers.into_iter().flatten().for_each(|shares| section.some(shares.as_slice()));
-    let Closure { before, after, iterations } = *exchange.closure();
-    section.some(&[before, after, exchange.shrinkage()]);
+    let Closure { before, after, iterations, slack } = *exchange.closure();
+    section.some(&[before, after, slack, exchange.shrinkage()]);
     section.one(iterations as u64);
 }
 
@@ -181,7 +182,7 @@ struct Saved {
 struct SavedExchange {
     storage: Storage,
     scale: DVector<f64>,
-    leaving: (DVector<f64>, Option<[DVector<f64>; 2]>),
+    ends: Ends,
     closure: Closure,
     shrinkage: f64,
 }
@@ -206,17 +207,18 @@ impl SavedExchange {
             BLOCKS if basis == Basis::Linear => Storage::Blocks(Blocks::read(from, patches)?),
             _ => return Err(Damaged),
         };
-        let (scale, all) = (DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?));
+        let mut vector = || from.some(n).map(DVector::from_vec);
+        let (scale, leaving, slack) = (vector()?, vector()?, vector()?);
         let in_carriers = match from.one::<u32>()? {
             0 => None,
             1 => Some([DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?)]),
             _ => return Err(Damaged),
         };
-        let leaving = (all, in_carriers);
-        let (before, after, shrinkage) = (from.one()?, from.one()?, from.one()?);
+        let ends = Ends { leaving, in_carriers, slack };
+        let [before, after, slack, shrinkage] = [from.one()?, from.one()?, from.one()?, from.one()?];
         let iterations = from.one::<u64>()? as usize;
-        let closure = Closure { before, after, iterations };
-        Ok(Self { storage, scale, leaving, closure, shrinkage })
+        let closure = Closure { before, after, iterations, slack };
+        Ok(Self { storage, scale, ends, closure, shrinkage })
     }
 }
 

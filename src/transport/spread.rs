@@ -3,7 +3,8 @@
 //! Rays come in independent batches, and exchange areas are the mean of what these found: S = (1/8) Σ_b S_b. So (S_b − S) L is a sample of the
 //! noise in S L. It is taken from the rays themselves, without making S_b. To first order in the noise the scales D follow it: where
 //! a batch's row sums are off by g, balancing puts them right by u with (A + S) u = −g. Of that system, as of what u does to other rows, only what
-//! varies slowly from patch to patch has to be solved, and that is done between a few hundred clusters of patches.
+//! varies slowly from patch to patch has to be solved, and that is done between a few hundred clusters of patches. Scales of rows with slack are at
+//! their bound and stay there: u = 0.
 //!
 //! Linear elements are taken for constant ones with their means: what light does within a patch changes little of the noise of the whole.
 
@@ -22,6 +23,9 @@ use crate::scene::Side;
 const LANES: usize = 4;
 type Lanes = [f64; LANES];
 const ONES: usize = LANES - 1;
+
+/// A row whose slack is more than this part of its area is held at its bound; less is rounding.
+const HELD: f64 = 1e-9;
 
 /// What irradiance each batch of rays would change, had it been the only one.
 #[derive(Clone, Debug)]
@@ -296,17 +300,21 @@ struct Balance<'a> {
     known: &'a Known,
     /// Per patch, what rays have to fill.
     target: Vec<f64>,
-    /// Per cluster the same; and which clusters are lamps.
+    /// Per patch, whether its scale follows what rays find; of lamps, whether theirs closes their own row.
+    follows: Vec<bool>,
+    /// Per cluster, what rays have to fill of rows that follow; 1 for lamps.
     cluster_target: DVector<f64>,
+    /// Per cluster, the part of its area whose scale follows.
+    following: DVector<f64>,
     /// What clusters that are no lamps exchange.
     between: DMatrix<f64>,
-    /// (target + S)⁻¹ between clusters.
+    /// (target + S)⁻¹ between what follows of clusters.
     solver: Option<nalgebra::Cholesky<f64, nalgebra::Dyn>>,
 }
 
 impl<'a> Balance<'a> {
     fn new(setting: &'a Setting<'a>, known: &'a Known) -> Self {
-        let Setting { patches, is_lamp, clusters, merged, .. } = setting;
+        let Setting { patches, is_lamp, clusters, merged, by_patch, .. } = setting;
         let n = patches.len();
         let target: Vec<f64> = (0..n)
             .map(|i| {
@@ -314,13 +322,18 @@ impl<'a> Balance<'a> {
                 (patches.etendues()[i] - lamps).max(0.05 * patches.etendues()[i])
             })
             .collect();
+        let follows: Vec<bool> =
+            patches.etendues().iter().zip(by_patch.slack()).map(|(a, slack)| *slack <= HELD * a).collect();
         let mut cluster_target = DVector::zeros(clusters.count);
+        let [mut following, mut areas] = [0, 0].map(|_| DVector::<f64>::zeros(clusters.count));
         let mut lamp_cluster = vec![false; clusters.count];
         for i in 0..n {
+            areas[clusters.of_patch[i]] += patches.etendues()[i];
             if is_lamp[i] {
                 lamp_cluster[clusters.of_patch[i]] = true;
-            } else {
+            } else if follows[i] {
                 cluster_target[clusters.of_patch[i]] += target[i];
+                following[clusters.of_patch[i]] += patches.etendues()[i];
             }
         }
         let takes_part = |g: usize| !lamp_cluster[g];
@@ -333,8 +346,11 @@ impl<'a> Balance<'a> {
             });
         }
         cluster_target.iter_mut().filter(|target| **target == 0.0).for_each(|target| *target = 1.0);
-        let solver = nalgebra::Cholesky::new(&between + DMatrix::from_diagonal(&cluster_target));
-        Self { setting, known, target, cluster_target, between, solver }
+        following.component_div_assign(&areas);
+        let part = |g: usize, h: usize| following[g] * following[h] * between[(g, h)];
+        let system = DMatrix::from_fn(clusters.count, clusters.count, part);
+        let solver = nalgebra::Cholesky::new(system + DMatrix::from_diagonal(&cluster_target));
+        Self { setting, known, target, follows, cluster_target, following, between, solver }
     }
 
     /// Adds to a batch's change what balancing does about it.
@@ -343,7 +359,7 @@ impl<'a> Balance<'a> {
         let areas = patches.etendues();
         // Each lamp closes its own row, and with it changes its entries in all others ...
         let mut to_others = vec![[0.0; LANES]; change.len()];
-        for (j, exchanged) in &self.setting.lamps {
+        for (j, exchanged) in self.setting.lamps.iter().filter(|(j, _)| self.follows[*j]) {
             let u = -change[*j][ONES] / areas[*j];
             add(&mut change[*j], u, &self.known.all[*j]);
             for &(k, area) in exchanged {
@@ -354,13 +370,15 @@ impl<'a> Balance<'a> {
         let mut lacking = DVector::zeros(clusters.count);
         for i in (0..change.len()).filter(|&i| !is_lamp[i]) {
             change[i].iter_mut().zip(&to_others[i]).for_each(|(change, to)| *change += to);
-            lacking[clusters.of_patch[i]] -= change[i][ONES];
+            if self.follows[i] {
+                lacking[clusters.of_patch[i]] -= change[i][ONES];
+            }
         }
         let Some(solver) = &self.solver else { return };
-        let smooth = &self.between * solver.solve(&lacking);
+        let smooth = &self.between * solver.solve(&lacking).component_mul(&self.following);
         let mut moved = DMatrix::zeros(clusters.count, LANES);
         let mut scale = vec![0.0; change.len()];
-        for i in (0..change.len()).filter(|&i| !is_lamp[i]) {
+        for i in (0..change.len()).filter(|&i| !is_lamp[i] && self.follows[i]) {
             let cluster = clusters.of_patch[i];
             scale[i] = -change[i][ONES] / self.target[i] - smooth[cluster] / self.cluster_target[cluster];
             for c in 0..LANES {

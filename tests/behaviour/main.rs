@@ -2,6 +2,7 @@
 
 mod carried_light; // lights without area and skies by way of mirrors, metals and glass
 mod carriers; // mirrors and glass: closed forms, another renderer, bad input, pictures, saved form factors
+mod coincident; // faces in one plane: one order, the same answer as a hair apart
 mod coloured_carriers; // mirrors, metals and glass by channel: light paths, energy, saved form factors, receivers
 mod commands; // what the program writes, prints and answers
 mod comparison; // the verdict on right solvers and on wrong ones
@@ -29,6 +30,7 @@ mod plastic; // a diffuse base under a coat: furnaces, closed forms, light paths
 mod receivers; // light at points that are no patches, and what is reported in lux
 mod saved_factors; // what may change around saved form factors, and what may not
 mod sheets; // blinds and lampshades: closed forms, energy, every solver, light paths, bad input
+mod slack; // rows that cannot be closed: they fail by themselves, and what they lack is accounted for
 mod structure; // modules import only from their left
 mod study; // accuracy against time: errors that fall, noise that is called noise, studies that resume
 mod textures; // pictures on surfaces: averages, light paths, renderings, files

@@ -1,6 +1,6 @@
 //! `radiosity solve`: the main job.
 
-use radiosity::measure::{Energy, ErrorBars, Undershoot};
+use radiosity::measure::{Energy, ErrorBars, Slack, Undershoot};
 use radiosity::output::{
     self, EnergySummary, Photometry, Quantity, RenderOptions, SeriesSummary, Shading, Summary, Surfaces,
 };
@@ -166,6 +166,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         }
         _ => Energy::of(&k, &sources, &solution.radiance, area_unit),
     };
+    let slack = Slack::of(&patches, &k, &sources, &solution.radiance).warning(&scene);
+    slack.iter().for_each(|warning| terminal.warn(warning));
     let summary = Summary {
         scene: scene.name().to_owned(),
         version: env!("CARGO_PKG_VERSION"),
@@ -186,7 +188,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         undershoot: Undershoot::of(k.mass(), &solution.radiance),
         error: bars.budget.clone(),
         steps,
-        warnings: scene.warnings().to_vec(),
+        warnings: scene.warnings().iter().cloned().chain(slack).collect(),
     };
     outputs.file("solution.json", |file| output::write_summary(file, &summary))?;
     let files = outputs.commit()?;
@@ -235,7 +237,7 @@ fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
             triple(energy.emitted),
             triple(energy.absorbed),
             triple(energy.escaped),
-            in_carriers(energy),
+            elsewhere(energy),
             energy.imbalance
         ),
         format!("  order  flux it adds (W)            residual  {}", bounds[0]),
@@ -273,13 +275,13 @@ fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
     lines.join("\n")
 }
 
-/// What ends in mirrors and glass, where anything does.
-fn in_carriers(energy: &EnergySummary) -> String {
+/// What ends in mirrors and glass, and what is missing, where anything does or is.
+fn elsewhere(energy: &EnergySummary) -> String {
     let part = |name: &str, power: [f64; 3]| match power {
         [0.0, 0.0, 0.0] => String::new(),
         power => format!(", {name} {} W", triple(power)),
     };
-    part("in carriers", energy.carriers) + &part("lost", energy.lost)
+    part("in carriers", energy.carriers) + &part("lost", energy.lost) + &part("slack", energy.slack)
 }
 
 /// A table of illuminances, lx.

@@ -1,11 +1,12 @@
 //! Error bars: how wrong an answer may be, told from the answer itself, and where its error comes from.
 //!
 //! Nothing is traced anew. The batches of rays tell the noise of form factors and of light sampling; larger patches, merged from those that there
-//! are, tell what the size of patches does; the solver knows its residual. The first two are *estimated*: they rest on what errors usually
-//! do. The last is *guaranteed* for the operator at hand.
+//! are, tell what the size of patches does; slack tells what rows of form factors lack that could not be closed; the solver knows its residual. All
+//! but the last are *estimated*: they rest on what errors usually do. The last is *guaranteed* for the operator at hand.
 
 mod mesh;
 mod noise;
+mod slack;
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -25,6 +26,9 @@ const COMMON: f64 = 0.7;
 
 /// What part of the noise shows in the change that merging patches makes; measured.
 const IN_CHANGE: f64 = 0.25;
+
+/// How many times more than estimated the light may be that slack stands for: where it lies is not known.
+const SLACK_AT_MOST: f64 = 2.0;
 
 /// Student's t for 95 % of one side and 7 degrees of freedom.
 const STUDENT: f64 = 1.895;
@@ -65,7 +69,7 @@ pub struct ErrorBudget {
 /// One source of error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ErrorPart {
-    /// [`ErrorPart::MESH`], [`ErrorPart::RAYS`], [`ErrorPart::LAMPS`], `solver` or `storage`.
+    /// [`ErrorPart::MESH`], [`ErrorPart::RAYS`], [`ErrorPart::LAMPS`], `solver` or `storage`, and [`ErrorPart::SLACK`] where there is any.
     pub name: &'static str,
     /// How large it is, in the norm of the budget; guaranteed parts are bounds in that of [`Report::bound`](crate::solve::Report::bound).
     pub value: f64,
@@ -80,6 +84,8 @@ impl ErrorPart {
     pub const RAYS: &'static str = "form factors";
     /// The noise of light sampling.
     pub const LAMPS: &'static str = "lamp sampling";
+    /// Light that rows of form factors lack which could not be closed.
+    pub const SLACK: &'static str = "slack";
 }
 
 impl ErrorBudget {
@@ -111,6 +117,7 @@ impl ErrorBars {
         progress.at("solve", 0.5)?;
         let (change_by_patch, insight) =
             mesh::mesh_error(patches, [factors, by_patch], sources, [&radiance, &irradiance])?;
+        let missing_by_patch = slack::missing(patches, by_patch, [&radiance, &irradiance])?;
         let faces = Faces::new(patches, &irradiance);
         let [rays, lamps] = [&noise.rays, &noise.lamps].map(|batches| faces.batches(batches));
         let change = faces.of(&change_by_patch);
@@ -122,34 +129,47 @@ impl ErrorBars {
         let change_by_merging = faces.relative(|f, c| change[(f, c)].powi(2));
         let less = change_by_merging.powi(2) - (IN_CHANGE * by_noise).powi(2);
         let by_mesh = less.max(0.25 * change_by_merging.powi(2)).sqrt();
-        let parts = vec![
+        let missing = missing_by_patch.as_ref().map(|missing| faces.of(missing));
+        let missed =
+            |missing: &Option<DMatrix<f64>>, at: (usize, usize)| missing.as_ref().map_or(0.0, |m| m[at]);
+        let by_slack = faces.relative(|f, c| missed(&missing, (f, c)).powi(2));
+        let mut parts = vec![
             part(ErrorPart::MESH, by_mesh, Certainty::Estimated),
             part(ErrorPart::RAYS, by_rays, Certainty::Estimated),
             part(ErrorPart::LAMPS, by_lamps, Certainty::Estimated),
             part("solver", solution.report.bound, solution.report.certainty),
             part("storage", ROUNDING * solution.report.condition, solution.report.certainty),
         ];
+        if missing.is_some() {
+            parts.push(part(ErrorPart::SLACK, by_slack, Certainty::Estimated));
+        }
         // The two are independent, however alike they are in one batch or another.
         let squares: Vec<f64> =
             faces.squares(&rays).iter().zip(faces.squares(&lamps)).map(|(a, b)| a + b).collect();
         let scatter = scatter(&squares);
-        let relative_rms = by_mesh.hypot(by_noise);
+        let relative_rms = by_mesh.hypot(by_noise).hypot(by_slack);
         let noise_at_most = scatter * noise_at_most(factors.rays(), basis);
         let sure = solution.report.bound + ROUNDING * solution.report.condition;
         let upper95 = (insight.at_most() * by_mesh).hypot(noise_at_most * by_noise)
+            + SLACK_AT_MOST * by_slack
             + if sure.is_finite() { sure } else { 0.0 };
-        // A patch or face has its own noise, what of the mesh error is seen on it, and some of what all have.
+        // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have, and what it may miss.
         let bar = |h: f64, variance: f64, by_mesh_here: f64| {
             (variance + by_mesh_here.powi(2) + (COMMON * by_mesh * h).powi(2)).sqrt()
         };
         let by_face = faces.irradiance.iter().enumerate().map(|(f, row)| {
             let variance = |c: usize| noise::variance(&rays, (f, c)) + noise::variance(&lamps, (f, c));
-            let of = |c: usize| bar(row.mean[c], variance(c), change[(f, c)]);
+            let of =
+                |c: usize| bar(row.mean[c], variance(c) + missed(&missing, (f, c)).powi(2), change[(f, c)]);
             FaceRow { mean: (0..row.mean.len()).map(of).collect(), ..row.clone() }
         });
         let by_patch = DMatrix::from_fn(irradiance.nrows(), irradiance.ncols(), |i, c| {
             let variance = noise::variance(&noise.rays, (i, c)) + noise::variance(&noise.lamps, (i, c));
-            bar(irradiance[(i, c)], variance, change_by_patch[(i, c)])
+            bar(
+                irradiance[(i, c)],
+                variance + missed(&missing_by_patch, (i, c)).powi(2),
+                change_by_patch[(i, c)],
+            )
         });
         let budget =
             ErrorBudget { relative_rms, upper95, irradiance: faces.typical(), parts, insight, scatter };

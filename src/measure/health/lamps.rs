@@ -128,7 +128,8 @@ impl Lamp {
     fn view(&self, tracer: &Tracer, side: Side, rays: u32, seed: u64) -> View {
         let near = NEAR * self.area.sqrt();
         let seen = self.faces.par_iter().flat_map_iter(|&face| {
-            rays_from(tracer, face, side, rays, seed).filter_map(|ray| tracer.closest_hit(&ray))
+            let bare = move |ray: &Ray| !tracer.is_covered(face as u32, side, ray.origin);
+            rays_from(tracer, face, side, rays, seed).filter(bare).filter_map(|ray| tracer.closest_hit(&ray))
         });
         let count = |hit: crate::trace::Hit| {
             let own = self.faces.binary_search(&(hit.face as usize)).is_ok();

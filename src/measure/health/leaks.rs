@@ -126,6 +126,9 @@ impl<'t> Starts<'t> {
 fn last_ray(tracer: &Tracer, start: Facet, seed: u64, path: u32) -> Option<Ray> {
     let sequence = |bounce: u64| Sequence::new(seed, STREAM + bounce, 0);
     let mut ray = start.rays(sequence(0), path..path + 1).next()?;
+    if tracer.is_covered_towards((ray.origin, start.face), start.normal) {
+        return None;
+    }
     for bounce in 1..=BOUNCES {
         let numbers = |k: u32| sequence(bounce).dimensions(path, k + 1);
         let survives = |colour: Tint, chance: f64| chance < colour.mean();

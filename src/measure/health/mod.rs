@@ -8,6 +8,7 @@ mod gaps;
 mod lamps;
 mod leaks;
 mod operator;
+mod overlaps;
 mod shape;
 
 use serde::Serialize;
@@ -16,6 +17,7 @@ use crate::patches::Patches;
 use crate::trace::Tracer;
 use edges::Edges;
 pub use operator::operator_health;
+pub use overlaps::{ObjectOverlap, overlaps};
 
 /// What a finding means for an answer; the later, the worse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -86,8 +88,8 @@ impl Finding {
     }
 }
 
-/// The health of a mesh: size, faces without area, duplicates, slivers, open and non-manifold edges, cracks, T-junctions, winding,
-/// lamps and leaks.
+/// The health of a mesh: size, faces without area, duplicates, slivers, open and non-manifold edges, cracks, T-junctions, overlaps,
+/// winding, lamps and leaks.
 ///
 /// Rays find leaks and where lamps face, under the random sequence of number `seed`. Where nothing emits, `patches` stand in for
 /// lamps: all sides that see something ([`crate::patches::Reach::Everything`]).
@@ -103,6 +105,8 @@ pub fn mesh_health(tracer: &Tracer, patches: &Patches, seed: u64) -> Vec<Finding
         edges.non_manifold(),
         gaps::cracks(&edges, tracer),
         gaps::t_junctions(&edges),
+        overlaps::same_front(tracer),
+        overlaps::back_to_back(tracer),
         edges.winding(),
         lamps::lamps(&edges, tracer, seed),
         leaks::leaks(tracer, patches, seed),

@@ -40,6 +40,7 @@ pub fn operator_health(
         worst(&|exchange| closure(exchange, patches)),
         worst(&reciprocity),
         worst(&|exchange| row_sums(exchange, patches)),
+        Some(agreement(factors)),
     ]
     .into_iter()
     .flatten()
@@ -56,20 +57,25 @@ pub fn operator_health(
 
 /// The most that a row, with what escapes, is off from its patch's area, relative to that.
 fn closure(exchange: &Exchange, patches: &Patches) -> Finding {
-    let value = exchange.closure_error();
-    let finding = Finding::good("closure", value, Some("of light gained or lost"));
-    if value < ROUNDING {
-        return finding;
-    }
     let sums = sums(exchange);
     let off = |i: usize| {
         let error = (sums[i] + exchange.leaving()[i] - exchange.areas()[i]).abs();
         error / exchange.areas()[i]
     };
+    let value = (0..exchange.len()).map(off).fold(0.0, f64::max);
+    let finding = Finding::good("closure", value, Some("of light gained or lost"));
+    if value < ROUNDING {
+        return finding;
+    }
     let off = |patch: usize| coefficients(exchange, patch).map(off).fold(0.0, f64::max);
     let verdict = if value < TOLERABLE { Verdict::Fair } else { Verdict::Bad };
-    let remedy =
-        "too few rays to share out all light between these faces and what they see: trace more (--rays)";
+    let remedy = match exchange.closure_error() < ROUNDING {
+        true => {
+            "these faces send more than the faces they see send back, and more rays will not help: they lie in one plane with \
+             others, are doubled, or line a closed pocket; delete what is double, or move it off the plane"
+        }
+        false => "the form factors are damaged: trace them anew",
+    };
     finding.but(verdict, worst_faces(patches, off, ROUNDING), remedy)
 }
 
@@ -96,6 +102,18 @@ fn row_sums(exchange: &Exchange, patches: &Patches) -> Finding {
     }
     let remedy = "these faces give out more than they get: trace more rays (--rays)";
     finding.but(Verdict::Bad, worst_faces(patches, sum, 1.0 + ROUNDING), remedy)
+}
+
+/// How many pairs of face sides found different exchange areas to and fro.
+fn agreement(factors: &FormFactors) -> Finding {
+    let found = factors.disagreements();
+    let finding = Finding::good("directions", found.len() as f64, Some("pairs of faces that disagree"));
+    let Some(worst) = found.first() else { return finding };
+    let remedy = format!(
+        "rays from these faces to others and back find different amounts of light, by up to {:.0} standard errors: faces meet there in a          way that rounding decides; look for faces that almost coincide",
+        worst.z
+    );
+    finding.but(Verdict::Fair, found.iter().flat_map(|pair| pair.sides.map(|(face, _)| face)), remedy)
 }
 
 /// ‖K‖∞, the largest share of what arrives anywhere that goes on to where it is not lost.

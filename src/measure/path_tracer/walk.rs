@@ -17,7 +17,7 @@ use super::beams::Beams;
 use super::lights::Lights;
 use crate::scene::{FaceTexture, Side};
 use crate::trace::sampling::{Sequence, cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
-use crate::trace::{Coat, Glossy, Hit, Ray, Tint, Tracer};
+use crate::trace::{Coat, Glossy, Hit, IN_PLANE, Ray, Tint, Tracer};
 
 /// Steps that every walk takes; from then on Russian roulette decides whether it goes on.
 pub(super) const CERTAIN: usize = 3;
@@ -368,7 +368,7 @@ impl<'t, 's> Walker<'t, 's> {
         let cosine = -light.normal.dot(direction);
         let reflected = glossy.reflected(direction);
         let by_direction = reflected[0].0 + reflected[1].0;
-        if cosine <= 0.0 || by_direction <= 0.0 {
+        if cosine * distance <= IN_PLANE || by_direction <= 0.0 {
             return;
         }
         if !self.tracer.unoccluded((glossy.point(), from), (light.point, light.face)) {
@@ -388,7 +388,8 @@ impl<'t, 's> Walker<'t, 's> {
         let between = light.point - place.point;
         let squared = between.length_squared();
         let (here, there) = (place.normal.dot(between), -light.normal.dot(between));
-        if here <= 0.0 || there <= 0.0 || light.face == place.face {
+        // The products are the heights of either point over the other's plane.
+        if here.min(there) <= IN_PLANE {
             return None;
         }
         if !self.tracer.unoccluded((place.point, place.face), (light.point, light.face)) {

@@ -191,7 +191,7 @@ impl<'a, 's> Gather<'a, 's> {
         views: &mut Views,
     ) -> DVec3 {
         let [s, t, u, v] = numbers.0.dimensions(numbers.1, 1);
-        let view = &views.seen_at(&self.lamps, (place.face, place.side), place.point, place.normal).clone();
+        let view = &views.seen_at(self.tracer, &self.lamps, (place.face, place.side), place.point).clone();
         self.light_of_lamps(place, view, [s, t])
             + self.light_around(place, (view, views), [u, v], numbers)
             + self.light_of_lights(place, [s, t])
@@ -290,11 +290,11 @@ impl<'a, 's> Gather<'a, 's> {
         if !self.lamps.contains(hit.face as usize, hit.side) {
             return radiance;
         }
-        // Leave to lamp points their share of what the lamp emits.
+        // Leave to lamp points their share of what the lamp emits, none of what they can't face.
         let there = self.place(&hit);
         let pdf = self.lamps.pdf(view, hit.face as usize);
         let g = place.geometry_term((there.point, there.normal));
-        let share = if pdf > 0.0 { pdf / (pdf + g) } else { 0.0 };
+        let share = if g > 0.0 { pdf / (pdf + g) } else { 0.0 };
         // A linear element that falls below what the lamp emits leaves nothing to add.
         (radiance - self.emitted(hit.face, hit.side, hit.barycentrics) * share).max(DVec3::ZERO)
     }

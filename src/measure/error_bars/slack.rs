@@ -1,0 +1,56 @@
+//! Slack: how much irradiance may be missing where rows of form factors could not be closed.
+//!
+//! Row i lacks s_i of A_i. If what it lacks lies where the rest of the row does, S_ij is too small by the factor
+//! 1 + t_i + t_j, to first order, with t = s/(A − s): the irradiance that is missing is that of π F (t∘L) + t∘(π F L), and
+//! what is reflected of it. That is as symmetric as S is, and puts back just the light that is missing.
+
+use nalgebra::DMatrix;
+
+use crate::measure::MeasureError;
+use crate::patches::Patches;
+use crate::solve::roughly;
+use crate::transport::{FormFactors, Reflection, Transport};
+
+/// Where all rows together lack less than this share, nothing is missing.
+const NOTHING: f64 = 1e-9;
+
+/// A row that lacks all but this share sees nothing.
+const ALL: f64 = 1e-12;
+
+/// How exactly the reflected part is solved for.
+const ROUGHLY: f64 = 0.01;
+
+/// The irradiance per patch (n × c, W·m⁻²) that may be missing; `None` where rows close. `by_patch` are the form factors with
+/// constant elements, radiance and irradiance means over patches. Rows that see nothing may miss the scene's root mean
+/// square irradiance.
+pub(super) fn missing(
+    patches: &Patches,
+    by_patch: &FormFactors,
+    [radiance, irradiance]: [&DMatrix<f64>; 2],
+) -> Result<Option<DMatrix<f64>>, MeasureError> {
+    let lacks =
+        |exchange: &crate::transport::Exchange| exchange.slack().sum() > NOTHING * exchange.areas().sum();
+    if !by_patch.exchanges().iter().any(lacks) {
+        return Ok(None);
+    }
+    let k = Transport::new(by_patch, Reflection::of(patches))?;
+    let share = |i: usize, c: usize| {
+        let exchange = by_patch.exchange_of(c);
+        exchange.slack()[i] / exchange.areas()[i]
+    };
+    let (n, channels) = radiance.shape();
+    let t = DMatrix::from_fn(n, channels, |i, c| {
+        let share = share(i, c);
+        if share < 1.0 - ALL { share / (1.0 - share) } else { 0.0 }
+    });
+    let areas = DMatrix::from_column_slice(n, 1, patches.areas());
+    let typical = |c: usize| {
+        let squares = irradiance.column(c).component_mul(&irradiance.column(c)).dot(&areas);
+        (squares / areas.sum()).sqrt()
+    };
+    let typical: Vec<f64> = (0..channels).map(typical).collect();
+    let blind = DMatrix::from_fn(n, channels, |i, c| if share(i, c) < 1.0 - ALL { 0.0 } else { typical[c] });
+    let direct = t.component_mul(&k.irradiance(radiance)) + k.irradiance(&t.component_mul(radiance)) + blind;
+    let reflected = roughly(&k, &k.reflect(&direct), ROUGHLY)?;
+    Ok(Some(direct + k.irradiance(&reflected)))
+}
