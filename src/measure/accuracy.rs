@@ -8,8 +8,8 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::MeasureError;
 use super::error_bars::{ErrorBars, ErrorBudget, ErrorPart, Insight, noise_at_most};
+use super::{Answer, Energy, Level, MeasureError, Verdict};
 use crate::patches::{Basis, Cutter, PatchSize, Patches, Tessellation};
 use crate::solve::{CgOptions, conjugate_gradients};
 use crate::trace::Tracer;
@@ -50,13 +50,17 @@ pub struct AccuracyStep {
     pub mesh: f64,
     /// The part of it that is noise.
     pub noise: f64,
+    /// Whether it can be relied on.
+    pub verdict: Level,
 }
 
 /// How the search ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ending {
-    /// The goal is met; or, with a time alone, that time is used.
+    /// The goal is met, by a good answer; or, with a time alone, that time is used.
     Reached,
+    /// The error bars meet the goal, or the time is used, but the verdict on the answer is not good: the bars do not know of what is wrong.
+    Doubtful,
     /// There is not enough of something for it; what it would take is foretold.
     Short {
         /// What there is not enough of.
@@ -99,6 +103,8 @@ pub struct Accurate<'s> {
     pub steps: Vec<AccuracyStep>,
     /// Whether the goal is met.
     pub ending: Ending,
+    /// Whether the answer can be relied on.
+    pub verdict: Verdict,
 }
 
 /// The first step.
@@ -192,20 +198,33 @@ pub fn reach<'s>(
             Next::MoreRays(rays) => best = search.add_rays(best, rays)?,
             Next::Step(choice) => {
                 let answer = search.step(Some(&best.patches), choice)?;
-                if answer.budget.upper95 < best.budget.upper95 {
+                if answer.rank() < best.rank() {
                     best = answer;
                 }
             }
         }
     };
-    Ok(Accurate { patches: best.patches, factors: best.factors, steps: search.steps, ending })
+    let Attempt { patches, factors, verdict, .. } = best;
+    let ending = match ending {
+        Ending::Reached if verdict.level > Level::Good => Ending::Doubtful,
+        ending => ending,
+    };
+    Ok(Accurate { patches, factors, steps: search.steps, ending, verdict })
 }
 
 /// An answer and how good it is.
-struct Answer<'s> {
+struct Attempt<'s> {
     patches: Patches<'s>,
     factors: FormFactors,
     budget: ErrorBudget,
+    verdict: Verdict,
+}
+
+impl Attempt<'_> {
+    /// A better answer has less: first by its verdict, then by its error.
+    fn rank(&self) -> (Level, f64) {
+        (self.verdict.level, self.budget.upper95)
+    }
 }
 
 /// What to do next.
@@ -254,7 +273,7 @@ impl<'s> Search<'_, 's> {
         &mut self,
         earlier: Option<&Patches<'s>>,
         Choice { rung, setting }: Choice,
-    ) -> Result<Answer<'s>, MeasureError> {
+    ) -> Result<Attempt<'s>, MeasureError> {
         let began = Instant::now();
         let count = self.ladder[rung].asked as usize;
         let mut patches = match earlier {
@@ -270,9 +289,9 @@ impl<'s> Search<'_, 's> {
     }
 
     /// Traces more rays between the same patches.
-    fn add_rays(&mut self, answer: Answer<'s>, rays: u32) -> Result<Answer<'s>, MeasureError> {
+    fn add_rays(&mut self, answer: Attempt<'s>, rays: u32) -> Result<Attempt<'s>, MeasureError> {
         let began = Instant::now();
-        let Answer { mut patches, factors, .. } = answer;
+        let Attempt { mut patches, factors, .. } = answer;
         // Random numbers that no step before has used.
         let seed = self.trace.seed ^ (1 + self.steps.len() as u64) << 40;
         let options = TraceOptions { seed, ..self.options(rays) };
@@ -290,18 +309,28 @@ impl<'s> Search<'_, 's> {
         began: Instant,
         patches: Patches<'s>,
         factors: FormFactors,
-    ) -> Result<Answer<'s>, MeasureError> {
+    ) -> Result<Attempt<'s>, MeasureError> {
         let progress = self.trace.progress;
         let k = Transport::of(&factors, &patches)?;
         let (seed, caustics) = (self.trace.seed, self.trace.caustics);
         let light = LightOptions { rays: factors.rays(), seed, caustics, progress };
         let sources = Sources::trace(self.tracer, &patches, factors.basis(), &light)?;
-        let solution = conjugate_gradients(
-            &k,
-            &sources.right_hand_side(&k),
-            &CgOptions { progress, ..Default::default() },
-        )?;
-        let budget = ErrorBars::of(&patches, &factors, &sources, &solution.under(&sources), progress)?.budget;
+        let options = CgOptions { progress, ..Default::default() };
+        let solution = conjugate_gradients(&k, &sources.right_hand_side(&k), &options)?.under(&sources);
+        let budget = ErrorBars::of(&patches, &factors, &sources, &solution, progress)?.budget;
+        let verdict = Verdict::of(&Answer {
+            tracer: self.tracer,
+            patches: &patches,
+            operator: &k,
+            sources: &sources,
+            solution: &solution,
+            energy: &Energy::of(&k, &sources, &solution.radiance, patches.unit_of_area()),
+            budget: Some(&budget),
+            tolerance: options.tolerance,
+            order: usize::MAX,
+            overlapping: &[],
+            disagreeing: &[],
+        });
         let noise = budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS));
         let step = AccuracyStep {
             patches: patches.len(),
@@ -311,6 +340,7 @@ impl<'s> Search<'_, 's> {
             upper95: budget.upper95,
             mesh: budget.part(ErrorPart::MESH),
             noise,
+            verdict: verdict.level,
         };
         // Two cuts tell how mesh error falls.
         let earlier =
@@ -322,18 +352,21 @@ impl<'s> Search<'_, 's> {
         }
         self.steps.push(step);
         self.scatter.push(budget.scatter);
-        Ok(Answer { patches, factors, budget })
+        Ok(Attempt { patches, factors, budget, verdict })
     }
 
     /// What to do after the last step.
-    fn next(&mut self, best: &Answer<'s>) -> Next {
+    fn next(&mut self, best: &Attempt<'s>) -> Next {
         let now = best.budget.upper95;
         let wanted = self.goal.error.map(|error| match error {
             Tolerated::Relative(share) => share,
             Tolerated::Irradiance(h) => h / best.budget.irradiance.max(f64::MIN_POSITIVE),
         });
         let is_met = wanted.is_none_or(|wanted| now <= wanted && best.patches.len() as f64 >= self.fewest());
-        if is_met && (wanted.is_some() || self.goal.seconds.is_none()) {
+        // Finer patches and more rays may cure a doubtful answer, but what two steps did not cure a third will not.
+        let tried = self.steps.iter().rev().take(2).filter(|step| step.verdict > Level::Good).count();
+        let is_doubtful = best.verdict.level > Level::Good;
+        if is_met && (!is_doubtful || tried == 2) && (wanted.is_some() || self.goal.seconds.is_none()) {
             return Next::End(Ending::Reached);
         }
         let all_time = self.goal.seconds.map_or(f64::INFINITY, |seconds| FOR_STEPS * seconds);
@@ -355,6 +388,7 @@ impl<'s> Search<'_, 's> {
         // What is wanted may take more than there is: then as much of it as there is.
         let short = |of: Resource| match (wanted, cheapest) {
             (None, _) => Ending::Reached,
+            _ if is_met => Ending::Doubtful,
             (_, needed) => {
                 let nothing = Setting { patches: f64::INFINITY, rays: f64::INFINITY };
                 let needed = needed.map_or(nothing, |choice| choice.setting);

@@ -12,6 +12,7 @@ mod path_tracer;
 mod slack;
 mod study;
 mod undershoot;
+mod verdict;
 
 use crate::patches::PatchError;
 use crate::progress::Cancelled;
@@ -19,12 +20,12 @@ use crate::solve::SolveError;
 use crate::transport::TransportError;
 pub use accuracy::{AccuracyStep, Accurate, Ending, Goal, Resource, Setting, Tolerated, reach};
 pub use comparison::{
-    Agreement, Comparison, Difference, MeshError, OrderOptions, OrderRow, Reason, ReferenceError,
+    Agreement, AgreementTest, Comparison, Difference, MeshError, OrderOptions, OrderRow, ReferenceError,
     ReferenceRow, RelativeRms, Worst,
 };
 pub use energy::Energy;
 pub use error_bars::{ErrorBars, ErrorBudget, ErrorPart};
-pub use health::{Finding, ObjectOverlap, Verdict, mesh_health, operator_health, overlaps};
+pub use health::{Finding, Grade, ObjectOverlap, mesh_health, operator_health, overlaps};
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
 pub use slack::{FaceSlack, Slack};
 pub use study::{
@@ -32,6 +33,7 @@ pub use study::{
     StudyOptions, StudyReference, StudyRow, StudySolver, Target, Trend, Turn, Want,
 };
 pub use undershoot::Undershoot;
+pub use verdict::{Answer, Cause, Level, Reason, Verdict};
 
 /// Why something could not be measured.
 #[derive(Debug, thiserror::Error)]

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::table::{self, digits};
 use super::{Stage, to_rgb};
-use crate::measure::{Comparison, MeshError, OrderRow, PathTraced, Reason};
+use crate::measure::{AgreementTest, Comparison, MeshError, OrderRow, PathTraced, Verdict};
 use crate::patches::Patches;
 
 /// The content of `comparison.json`. All errors are of irradiance per patch: area-weighted relative root mean squares, the
@@ -38,6 +38,8 @@ pub struct ComparisonSummary {
     pub stages: Vec<Stage>,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// Whether the answer can be relied on by itself, without the reference.
+    pub verdict: Verdict,
 }
 
 /// One order of the series.
@@ -84,8 +86,8 @@ pub struct DirectSummary {
     pub worst_z: f64,
     /// Whether it agrees, in words.
     pub verdict: String,
-    /// What the verdict rests on.
-    pub reasons: Vec<Reason>,
+    /// The tests that decide it.
+    pub reasons: Vec<AgreementTest>,
     /// Time that it takes, form factors included.
     pub seconds: f64,
 }

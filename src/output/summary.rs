@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use serde::Serialize;
 
 use super::{Photometry, to_rgb};
-use crate::measure::{AccuracyStep, Energy, ErrorBudget, Undershoot};
+use crate::measure::{AccuracyStep, Energy, ErrorBudget, Undershoot, Verdict};
 use crate::solve::{Report, Series, Solution};
 use crate::transport::{Closure, Plan};
 
@@ -63,6 +63,8 @@ pub struct Summary {
     pub steps: Vec<AccuracyStep>,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// Whether the answer can be relied on.
+    pub verdict: Verdict,
 }
 
 /// A stage of the run.
@@ -114,11 +116,16 @@ impl SeriesSummary {
             bound: b.bound,
         });
         let (l, report) = (&series.solution.radiance, &series.solution.report);
+        // Where nothing shines or reflects, both are 0 and agree.
+        let difference = match (l - &solution.radiance).amax() {
+            0.0 => 0.0,
+            difference => difference / solution.radiance.amax(),
+        };
         Self {
             order: series.order(),
             residual: report.residual,
             bound: report.bound,
-            difference: (l - &solution.radiance).amax() / solution.radiance.amax(),
+            difference,
             bounces: bounces.collect(),
         }
     }

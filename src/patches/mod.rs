@@ -387,6 +387,11 @@ impl<'s> Patches<'s> {
         if self.per_area.is_empty() { &self.areas } else { &self.etendues }
     }
 
+    /// The unit of area of the normalised frame, m².
+    pub fn unit_of_area(&self) -> f64 {
+        self.frame.scale().powi(2)
+    }
+
     /// Area of a patch, m².
     pub fn area(&self, patch: usize) -> f64 {
         self.areas[patch] * self.frame.scale().powi(2)

@@ -128,6 +128,21 @@ impl Exchange {
             .expect("a silent observer never cancels")
     }
 
+    /// Exchange areas as they are, `storage` and what escapes (N values) in the unit of the mass; nothing makes them close.
+    ///
+    /// # Panics
+    /// If the dimensions differ.
+    pub fn unbalanced(storage: Storage, escape: DVector<f64>, mass: impl Into<Mass>) -> Self {
+        let mass = mass.into();
+        assert_eq!(escape.len(), mass.len(), "one escape per coefficient");
+        let closure = Closure { before: 0.0, after: 0.0, iterations: 0 };
+        let scale = DVector::repeat(mass.len(), 1.0);
+        let as_is =
+            Self { storage, scale, leaving: escape, in_carriers: None, mass, closure, shrinkage: 1.0 };
+        let error = as_is.closure_error();
+        Self { closure: Closure { before: error, after: error, ..closure }, ..as_is }
+    }
+
     /// Nothing is exchanged between patches of these areas: all of it leaves.
     pub(super) fn none(areas: &[f64], basis: Basis) -> Self {
         let mass = Mass::new(basis, areas);

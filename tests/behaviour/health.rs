@@ -5,7 +5,7 @@ use std::process::Output;
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
-use radiosity::measure::{Finding, Verdict, mesh_health, operator_health};
+use radiosity::measure::{Finding, Grade, mesh_health, operator_health};
 use radiosity::patches::{PatchSize, Patches, Reach, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Face, FaceState, Material, Scene, SceneParts};
@@ -42,24 +42,24 @@ fn find<'f>(findings: &'f [Finding], name: &str) -> &'f Finding {
 
 /// The finding of this name about a scene, which must be judged like this and say what to do unless it is good.
 #[track_caller]
-fn judged(scene: &Scene, name: &str, verdict: Verdict) -> Finding {
+fn judged(scene: &Scene, name: &str, verdict: Grade) -> Finding {
     among(&check(scene), name, verdict)
 }
 
 /// The same where nothing else may be bad.
 #[track_caller]
-fn only(scene: &Scene, name: &str, verdict: Verdict) -> Finding {
+fn only(scene: &Scene, name: &str, verdict: Grade) -> Finding {
     let findings = check(scene);
-    let others: Vec<_> = findings.iter().filter(|f| f.name != name && f.verdict == Verdict::Bad).collect();
+    let others: Vec<_> = findings.iter().filter(|f| f.name != name && f.verdict == Grade::Bad).collect();
     assert!(others.is_empty(), "{others:#?}");
     among(&findings, name, verdict)
 }
 
 #[track_caller]
-fn among(findings: &[Finding], name: &str, verdict: Verdict) -> Finding {
+fn among(findings: &[Finding], name: &str, verdict: Grade) -> Finding {
     let finding = find(findings, name);
     assert_eq!(finding.verdict, verdict, "{findings:#?}");
-    assert_eq!(finding.remedy.is_some(), verdict != Verdict::Good, "{finding:?}");
+    assert_eq!(finding.remedy.is_some(), verdict != Grade::Good, "{finding:?}");
     finding.clone()
 }
 
@@ -116,7 +116,7 @@ fn triangles(faces: &[([[f64; 3]; 3], u32)]) -> Scene {
 #[test]
 fn a_sound_closed_room_is_good_in_every_way() {
     let findings = check(&closed_room(|_, wall| wall));
-    let bad: Vec<_> = findings.iter().filter(|f| f.verdict != Verdict::Good || f.remedy.is_some()).collect();
+    let bad: Vec<_> = findings.iter().filter(|f| f.verdict != Grade::Good || f.remedy.is_some()).collect();
     assert!(bad.is_empty(), "{bad:#?}");
     assert_eq!(find(&findings, "leaks").value, 0.0);
     assert_eq!(find(&findings, "reciprocity").value, 0.0);
@@ -128,20 +128,20 @@ fn the_meshes_of_this_project_have_nothing_bad() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes");
     for name in names(&folder).iter().filter(|name| name.ends_with(".obj")) {
         let findings = check(&Scene::load(folder.join(name)).unwrap());
-        let wrong: Vec<_> = findings.iter().filter(|f| f.verdict > Verdict::Note).collect();
+        let wrong: Vec<_> = findings.iter().filter(|f| f.verdict > Grade::Note).collect();
         assert!(wrong.is_empty(), "{name}: {wrong:#?}");
-        assert_eq!(find(&findings, "lamps").verdict, Verdict::Good, "{name}");
-        assert_eq!(find(&findings, "leaks").verdict, Verdict::Good, "{name}");
+        assert_eq!(find(&findings, "lamps").verdict, Grade::Good, "{name}");
+        assert_eq!(find(&findings, "leaks").verdict, Grade::Good, "{name}");
     }
 }
 
 #[test]
 fn a_ceiling_that_does_not_reach_the_walls_leaks() {
     let cracked = closed_room(|k, wall| if k == 4 { shifted(wall, [0.0, 0.005, 0.0]) } else { wall });
-    let leaks = only(&cracked, "leaks", Verdict::Bad);
+    let leaks = only(&cracked, "leaks", Grade::Bad);
     assert!(leaks.value > 1e-4 && leaks.value < 0.01, "{leaks:?}");
     assert!(!leaks.faces.is_empty() && leaks.faces.len() <= Finding::MOST_FACES);
-    let cracks = judged(&cracked, "cracks", Verdict::Note);
+    let cracks = judged(&cracked, "cracks", Grade::Note);
     assert!((cracks.value - 0.005).abs() < 1e-9, "{cracks:?}");
     assert_eq!(cracks.count, Some(8), "four edges on either side");
 }
@@ -157,7 +157,7 @@ fn a_leak_is_found_where_the_light_that_escapes_meets_an_outside() {
     let ground = [[-3.0, -0.1, -3.0], [-3.0, -0.1, 3.0], [3.0, -0.1, 3.0], [3.0, -0.1, -3.0]];
     let lamp = walls.remove(5);
     walls.push(ground);
-    let leaks = judged(&scene(&walls, &[lamp]), "leaks", Verdict::Bad);
+    let leaks = judged(&scene(&walls, &[lamp]), "leaks", Grade::Bad);
     assert!(
         !leaks.faces.contains(&10) && !leaks.faces.contains(&11),
         "the ground is not at fault: {leaks:?}"
@@ -167,9 +167,9 @@ fn a_leak_is_found_where_the_light_that_escapes_meets_an_outside() {
 #[test]
 fn vertices_off_by_rounding_are_cracks_but_no_leak() {
     let off = closed_room(|k, wall| if k == 4 { shifted(wall, [0.0, 1e-8, 0.0]) } else { wall });
-    judged(&off, "cracks", Verdict::Note);
-    judged(&off, "leaks", Verdict::Good);
-    judged(&off, "open edges", Verdict::Note);
+    judged(&off, "cracks", Grade::Note);
+    judged(&off, "leaks", Grade::Good);
+    judged(&off, "open edges", Grade::Note);
 }
 
 #[test]
@@ -189,13 +189,13 @@ fn windows_are_no_cracks_and_open_scenes_do_not_leak() {
         piece([0.7, 1.0], [0.3, 0.7]),
     ];
     let with_window = scene(&[walls.clone(), around.to_vec()].concat(), &[lamp]);
-    let leaks = only(&with_window, "leaks", Verdict::Note);
+    let leaks = only(&with_window, "leaks", Grade::Note);
     assert!(leaks.remedy.is_some_and(|remedy| remedy.contains("window")));
-    judged(&with_window, "cracks", Verdict::Good);
+    judged(&with_window, "cracks", Grade::Good);
     let open = scene(&walls, &[lamp]);
-    let leaks = only(&open, "leaks", Verdict::Good);
+    let leaks = only(&open, "leaks", Grade::Good);
     assert!(leaks.value > 0.1, "{leaks:?}");
-    let edges = judged(&open, "open edges", Verdict::Note);
+    let edges = judged(&open, "open edges", Grade::Note);
     assert_eq!((edges.value, edges.faces.len()), (4.0, 1), "one rim of four edges");
 }
 
@@ -203,13 +203,13 @@ fn windows_are_no_cracks_and_open_scenes_do_not_leak() {
 fn ribbons_are_no_cracks() {
     let (walls, lamp) = room_with_lamp(0.9);
     let ribbon = [[0.1, 0.1, 0.5], [0.9, 0.1, 0.5], [0.9, 0.1, 0.503], [0.1, 0.1, 0.503]];
-    judged(&scene(&[walls, vec![ribbon]].concat(), &[lamp]), "cracks", Verdict::Good);
+    judged(&scene(&[walls, vec![ribbon]].concat(), &[lamp]), "cracks", Grade::Good);
 }
 
 #[test]
 fn a_flipped_wall_is_noted_with_its_faces() {
     let turned = closed_room(|k, wall| if k == 1 { flipped(wall) } else { wall });
-    let winding = only(&turned, "winding", Verdict::Note);
+    let winding = only(&turned, "winding", Grade::Note);
     assert_eq!((winding.value, winding.count, winding.faces), (2.0, Some(4), vec![2, 3]));
 }
 
@@ -217,8 +217,8 @@ fn a_flipped_wall_is_noted_with_its_faces() {
 fn a_flipped_lamp_is_bad() {
     let floor = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
     let (_, lamp) = room_with_lamp(1.0);
-    only(&scene(&[floor], &[lamp]), "lamps", Verdict::Good);
-    let found = only(&scene(&[floor], &[flipped(lamp)]), "lamps", Verdict::Bad);
+    only(&scene(&[floor], &[lamp]), "lamps", Grade::Good);
+    let found = only(&scene(&[floor], &[flipped(lamp)]), "lamps", Grade::Bad);
     assert_eq!((found.value, found.faces), (2.0, vec![2, 3]));
     assert!(found.remedy.is_some_and(|remedy| remedy.contains("flip")));
 }
@@ -226,20 +226,20 @@ fn a_flipped_lamp_is_bad() {
 #[test]
 fn a_lamp_that_lights_the_ceiling_it_hangs_from_is_noted() {
     let (walls, lamp) = room_with_lamp(0.995);
-    judged(&scene(&walls, &[lamp]), "lamps", Verdict::Good);
-    judged(&scene(&walls, &[flipped(lamp)]), "lamps", Verdict::Note);
+    judged(&scene(&walls, &[lamp]), "lamps", Grade::Good);
+    judged(&scene(&walls, &[flipped(lamp)]), "lamps", Grade::Note);
     let (walls, uplight) = room_with_lamp(0.7);
-    judged(&scene(&walls, &[flipped(uplight)]), "lamps", Verdict::Good);
+    judged(&scene(&walls, &[flipped(uplight)]), "lamps", Grade::Good);
 }
 
 #[test]
 fn a_bulb_turned_inside_out_is_bad_and_a_furnace_is_not() {
     let walls = room([0.0; 3], [1.0; 3]);
     let bulb = room([0.4; 3], [0.6; 3]);
-    only(&scene(&walls, &bulb.map(flipped)), "lamps", Verdict::Good);
-    let found = only(&scene(&walls, &bulb), "lamps", Verdict::Bad);
+    only(&scene(&walls, &bulb.map(flipped)), "lamps", Grade::Good);
+    let found = only(&scene(&walls, &bulb), "lamps", Grade::Bad);
     assert_eq!((found.value, found.faces.len()), (12.0, 10), "at most ten are named");
-    only(&scene(&[], &walls), "lamps", Verdict::Good);
+    only(&scene(&[], &walls), "lamps", Grade::Good);
 }
 
 #[test]
@@ -250,19 +250,19 @@ fn a_lamp_of_which_one_half_is_flipped_is_bad() {
     let with_lamp = |halves: [[[f64; 3]; 3]; 2]| {
         triangles(&wall_faces.clone().chain(halves.map(|half| (half, 1))).collect::<Vec<_>>())
     };
-    judged(&with_lamp([[a, b, c], [a, c, d]]), "lamps", Verdict::Good);
-    judged(&with_lamp([[a, b, c], [a, d, c]]), "lamps", Verdict::Bad);
+    judged(&with_lamp([[a, b, c], [a, c, d]]), "lamps", Grade::Good);
+    judged(&with_lamp([[a, b, c], [a, d, c]]), "lamps", Grade::Bad);
 }
 
 #[test]
 fn a_scene_without_a_lamp_is_checked_and_told_so() {
     let dark = scene(&room([0.0; 3], [1.0; 3]), &[]);
-    only(&dark, "lamps", Verdict::Note);
+    only(&dark, "lamps", Grade::Note);
     let findings = check(&dark);
-    OPERATOR.iter().for_each(|name| assert_eq!(find(&findings, name).verdict, Verdict::Good));
+    OPERATOR.iter().for_each(|name| assert_eq!(find(&findings, name).verdict, Grade::Good));
     // Nothing sees anything: there is no operator to look at.
     let plate = scene(&room([0.0; 3], [1.0; 3])[..1], &[]);
-    assert!(check(&plate).iter().all(|f| f.verdict <= Verdict::Note && f.name != "closure"));
+    assert!(check(&plate).iter().all(|f| f.verdict <= Grade::Note && f.name != "closure"));
 }
 
 #[test]
@@ -272,11 +272,11 @@ fn slivers_are_noted_and_needles_bad() {
         let thin = [[0.1, 0.5, 0.5], [0.9, 0.5, 0.5], [0.9, 0.5, 0.5 + width], [0.1, 0.5, 0.5 + width]];
         scene(&[walls, vec![thin]].concat(), &[lamp])
     };
-    judged(&with(0.1), "slivers", Verdict::Good);
-    let slivers = only(&with(1e-4), "slivers", Verdict::Note);
+    judged(&with(0.1), "slivers", Grade::Good);
+    let slivers = only(&with(1e-4), "slivers", Grade::Note);
     assert!((slivers.value / 8e3 - 1.0).abs() < 1e-3 && slivers.count == Some(2), "{slivers:?}");
     assert_eq!(slivers.faces, [12, 13]);
-    only(&with(1e-8), "slivers", Verdict::Bad);
+    only(&with(1e-8), "slivers", Grade::Bad);
 }
 
 #[test]
@@ -287,11 +287,11 @@ fn zero_area_faces_and_duplicates_are_noted() {
     faces.push(([[0.1; 3], [0.5; 3], [0.9; 3]], 0));
     faces.push(faces[2]);
     let both = triangles(&faces);
-    let flat = only(&both, "zero-area faces", Verdict::Note);
+    let flat = only(&both, "zero-area faces", Grade::Note);
     assert_eq!((flat.value, flat.faces), (1.0, vec![12]));
-    let twice = only(&both, "duplicate faces", Verdict::Note);
+    let twice = only(&both, "duplicate faces", Grade::Note);
     assert_eq!((twice.value, twice.faces), (1.0, vec![13]));
-    assert_eq!(judged(&both, "open edges", Verdict::Good).value, 0.0, "dropped faces open and close nothing");
+    assert_eq!(judged(&both, "open edges", Grade::Good).value, 0.0, "dropped faces open and close nothing");
 }
 
 #[test]
@@ -299,13 +299,13 @@ fn light_lost_with_a_duplicate_is_bad() {
     let walls = room([0.0; 3], [1.0; 3]);
     let lamp = room([0.0; 3], [1.0; 3])[4];
     let shadowed = quads(&[(walls[5], 1), (walls[4], 0), (lamp, 1)], materials());
-    let found = judged(&shadowed, "duplicate faces", Verdict::Bad);
+    let found = judged(&shadowed, "duplicate faces", Grade::Bad);
     assert_eq!(found.faces, [4, 5]);
     // Two lamps back to back: only the first would shine.
     let [a, b, c, d] = lamp;
     let sides = [([a, b, c], 1), ([a, c, d], 1), ([a, c, b], 1), (walls[0][..3].try_into().unwrap(), 0)];
-    assert_eq!(judged(&triangles(&sides), "duplicate faces", Verdict::Bad).faces, [2]);
-    judged(&triangles(&[sides[0], sides[0], sides[3]]), "duplicate faces", Verdict::Note);
+    assert_eq!(judged(&triangles(&sides), "duplicate faces", Grade::Bad).faces, [2]);
+    judged(&triangles(&[sides[0], sides[0], sides[3]]), "duplicate faces", Grade::Note);
 }
 
 #[test]
@@ -313,7 +313,7 @@ fn walls_that_branch_are_noted_as_non_manifold() {
     let (mut walls, lamp) = room_with_lamp(0.9);
     // A fin from one corner of the room into its middle.
     walls.push([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 1.0, 0.3], [0.3, 0.0, 0.3]]);
-    let found = only(&scene(&walls, &[lamp]), "non-manifold edges", Verdict::Note);
+    let found = only(&scene(&walls, &[lamp]), "non-manifold edges", Grade::Note);
     assert_eq!(found.value, 1.0);
 }
 
@@ -321,21 +321,21 @@ fn walls_that_branch_are_noted_as_non_manifold() {
 fn corners_along_an_edge_are_t_junctions() {
     let mut walls = room([0.0; 3], [1.0; 3]).to_vec();
     let lamp = walls.pop().unwrap();
-    judged(&scene(&walls, &[lamp]), "T-junctions", Verdict::Good);
+    judged(&scene(&walls, &[lamp]), "T-junctions", Grade::Good);
     // The floor in two halves; each of two walls has a corner of theirs along its lower edge.
     let [a, b, c, d] = walls.remove(1);
     let middle = |p: [f64; 3], q: [f64; 3]| [0, 1, 2].map(|k| 0.5 * (p[k] + q[k]));
     walls.extend([[a, middle(a, b), middle(d, c), d], [middle(a, b), b, c, middle(d, c)]]);
     let split = scene(&walls, &[lamp]);
-    assert_eq!(only(&split, "T-junctions", Verdict::Note).value, 2.0);
-    judged(&split, "leaks", Verdict::Good);
-    judged(&split, "cracks", Verdict::Good);
+    assert_eq!(only(&split, "T-junctions", Grade::Note).value, 2.0);
+    judged(&split, "leaks", Grade::Good);
+    judged(&split, "cracks", Grade::Good);
 }
 
 #[test]
 fn a_room_in_millimetres_is_noted() {
     let walls = room([0.0; 3], [4000.0; 3]);
-    let size = only(&scene(&walls[..5], &walls[5..]), "size", Verdict::Note);
+    let size = only(&scene(&walls[..5], &walls[5..]), "size", Grade::Note);
     assert!(size.value == 4000.0 && size.remedy.is_some_and(|remedy| remedy.contains("unit")));
 }
 
@@ -347,14 +347,14 @@ fn a_closed_room_that_absorbs_nothing_has_no_condition_and_one_that_absorbs_litt
             vec![Material::diffuse("grey", &[0.5]), Material::lamp("snow", &[reflectance], &[1.0])];
         quads(&walls, materials)
     };
-    let trapped = only(&with(1.0), "condition", Verdict::Bad);
+    let trapped = only(&with(1.0), "condition", Grade::Bad);
     assert!(trapped.value.is_infinite());
     assert_eq!(serde_json::to_value(&trapped).unwrap()["value"], Value::Null);
     assert!(trapped.remedy.is_some_and(|remedy| remedy.contains("snow")));
-    only(&with(0.9), "condition", Verdict::Good);
-    let fair = only(&with(0.999), "condition", Verdict::Fair);
+    only(&with(0.9), "condition", Grade::Good);
+    let fair = only(&with(0.999), "condition", Grade::Fair);
     assert!((1e3..3e3).contains(&fair.value) && fair.remedy.is_some_and(|remedy| remedy.contains("snow")));
-    only(&with(0.9999999), "condition", Verdict::Bad);
+    only(&with(0.9999999), "condition", Grade::Bad);
 }
 
 #[test]
@@ -374,17 +374,14 @@ fn damaged_exchange_areas_are_bad() {
         operator_health(&FormFactors::from(exchange), &patches, Progress::default()).unwrap()
     };
     let sound = health([0.5, 0.5], [1.0, 2.0], 0.5);
-    assert!(sound.iter().all(|f| f.verdict == Verdict::Good), "{sound:#?}");
+    assert!(sound.iter().all(|f| f.verdict == Grade::Good), "{sound:#?}");
     // What the small one sends can't be all that the large one gets, if nothing escapes.
     let unclosed = health([1.0, 1.0], [1.0, 2.0], 0.0);
     let closure = find(&unclosed, "closure");
-    assert!(
-        closure.verdict == Verdict::Bad && closure.value > 0.1 && !closure.faces.is_empty(),
-        "{closure:?}"
-    );
+    assert!(closure.verdict == Grade::Bad && closure.value > 0.1 && !closure.faces.is_empty(), "{closure:?}");
     let lopsided = health([0.5, 0.4], [1.0, 1.0], 0.5);
     let reciprocity = find(&lopsided, "reciprocity");
-    assert!(reciprocity.verdict == Verdict::Bad && reciprocity.value > 0.01, "{reciprocity:?}");
+    assert!(reciprocity.verdict == Grade::Bad && reciprocity.value > 0.01, "{reciprocity:?}");
 }
 
 /// A closed cube with a lamp for a ceiling, whose ceiling is lifted by this much.

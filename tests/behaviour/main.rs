@@ -35,6 +35,7 @@ mod structure; // modules import only from their left
 mod study; // accuracy against time: errors that fall, noise that is called noise, studies that resume
 mod textures; // pictures on surfaces: averages, light paths, renderings, files
 mod thin_glass; // sheets: a slab, a furnace, sun and sky through windows, pictures, settings
+mod verdict; // what an answer says of how far it can be relied on, and every fault that must raise it
 
 mod scenes; // small scenes, made on the spot
 mod scratch; // a temporary folder for all of them

@@ -12,6 +12,7 @@ use radiosity::transport::{FormFactors, Keep};
 use crate::args::{self, RunArgs};
 use crate::factors::FactorsArgs;
 use crate::terminal::{Failure, Terminal};
+use crate::verdict::phrase;
 
 /// What to stop at.
 #[derive(Debug, clap::Args)]
@@ -67,12 +68,17 @@ impl GoalArgs {
         });
         let goal = Goal { error, seconds: self.time.map(|time| time.as_secs_f64()) };
         let (tessellation, trace) = factors.options(run, terminal.progress());
-        let Accurate { patches, factors, steps, ending } =
+        let Accurate { patches, factors, steps, ending, verdict } =
             measure::reach(tracer, goal, &tessellation, &trace)?;
         terminal.takes(factors.exchange().bytes());
         terminal.say(told(&steps))?;
-        if let Ending::Short { of, needed, seconds } = ending {
-            terminal.warn(shortfall(of, needed, seconds));
+        match ending {
+            Ending::Reached => {}
+            Ending::Doubtful => terminal.warn(format_args!(
+                "the accuracy that was asked for is not reached: the verdict on the best answer is {}",
+                phrase(&verdict)
+            )),
+            Ending::Short { of, needed, seconds } => terminal.warn(shortfall(of, needed, seconds)),
         }
         Ok((patches, factors, steps))
     }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use radiosity::measure::{Finding, Verdict, mesh_health, operator_health};
+use radiosity::measure::{Finding, Grade, mesh_health, operator_health};
 use radiosity::patches::{Patches, Reach, Tessellation};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions};
@@ -65,7 +65,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         findings.extend(operator_health(&factors, &patches, progress)?);
     }
     terminal.clear();
-    let verdict = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Good);
+    let verdict = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Grade::Good);
     if args.run.json {
         let all = serde_json::json!({ "scene": scene.name(), "verdict": verdict, "findings": findings });
         terminal.print(serde_json::to_string_pretty(&all)?)?;
@@ -74,14 +74,11 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (faces, patches) = (scene.faces().len(), patches.len());
     terminal.say(format_args!("{}: {faces} faces, {patches} patches {sides}\n", scene.name()))?;
     findings.iter().try_for_each(|finding| tell(finding, terminal))?;
-    let worst: Vec<&str> = findings
-        .iter()
-        .filter(|f| f.verdict == verdict && verdict != Verdict::Good)
-        .map(|f| f.name)
-        .collect();
+    let worst: Vec<&str> =
+        findings.iter().filter(|f| f.verdict == verdict && verdict != Grade::Good).map(|f| f.name).collect();
     let of = if worst.is_empty() { "" } else { ": " };
     terminal.say(format_args!("\n{}{of}{}", verdict.name(), worst.join(", ")))?;
-    if verdict == Verdict::Bad { Err(Unhealthy.into()) } else { Ok(()) }
+    if verdict == Grade::Bad { Err(Unhealthy.into()) } else { Ok(()) }
 }
 
 /// Where values begin.

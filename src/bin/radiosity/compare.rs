@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use radiosity::measure::{
-    Agreement, Budget, Comparison, MeshError, OrderOptions, OrderRow, PathOptions, PathTracer,
+    Agreement, AgreementTest, Answer, Budget, Comparison, Energy, MeshError, OrderOptions, OrderRow,
+    PathOptions, PathTracer, Verdict,
 };
 use radiosity::output::{
     self, BouncePictures, ComparisonOptions, ComparisonSummary, DirectSummary, OrderSummary, OrdersPlot,
@@ -17,6 +18,7 @@ use radiosity::transport::{Keep, Sources, Transport};
 use crate::args::{self, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
 use crate::terminal::{Failure, Terminal};
+use crate::verdict::{self, StrictArgs};
 
 /// Compare the direct solution and every order of the series with a path-traced reference
 ///
@@ -33,6 +35,8 @@ pub struct Args {
     solver: SolverArgs,
     #[command(flatten)]
     reference: ReferenceArgs,
+    #[command(flatten)]
+    strict: StrictArgs,
     #[command(flatten)]
     pub run: RunArgs,
 }
@@ -109,6 +113,19 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let options = SolveOptions { amplification: Some(&amplification), tolerance, ..options };
     let direct = solve::solve(&k, &e, &options)?.under(&sources);
     let direct_seconds = began.elapsed().as_secs_f64();
+    let verdict = Verdict::of(&Answer {
+        tracer: &tracer,
+        patches: &patches,
+        operator: &k,
+        sources: &sources,
+        solution: &direct,
+        energy: &Energy::of(&k, &sources, &direct.radiance, patches.unit_of_area()),
+        budget: None,
+        tolerance,
+        order: args.solver.order,
+        overlapping: &[],
+        disagreeing: &[],
+    });
 
     let budget = args.reference.budget();
     let options = PathOptions { budget, seed: args.run.seed, progress, ..Default::default() };
@@ -157,6 +174,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         reference: (&reference).into(),
         stages: terminal.stages(),
         warnings: scene.warnings().to_vec(),
+        verdict,
     };
     outputs.file("comparison.json", |file| output::write_comparison_summary(file, &summary))?;
     let files = outputs.commit()?;
@@ -166,7 +184,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     terminal.say(report(&summary, scene.faces().len(), &direct.report))?;
     let folder = args.scene.folder(&scene);
     terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()))?;
-    Ok(())
+    verdict::warn(&summary.verdict, terminal);
+    args.strict.conclude(&summary.verdict)
 }
 
 fn plot(scene: &Scene, orders: &[OrderRow], comparison: &Comparison, noise_floor: f64) -> OrdersPlot {
@@ -204,8 +223,8 @@ fn report(summary: &ComparisonSummary, faces: usize, solver: &Report) -> String 
         format!("mesh          patches half as long change the answer by {}\n", percent(direct.mesh_error)),
         columns(["order", "from direct", certainty, "from reference", "mean", "worst patch", "seconds"]),
     ];
-    let told = |order: usize| order <= 5 || order.is_multiple_of(10) || order + 1 == orders.len();
-    lines.extend(orders.iter().filter(|o| told(o.order)).map(|o| {
+    let is_told = |order: usize| order <= 5 || order.is_multiple_of(10) || order + 1 == orders.len();
+    lines.extend(orders.iter().filter(|o| is_told(o.order)).map(|o| {
         columns([
             &o.order.to_string(),
             &format!("{:.0e}", o.vs_direct),
@@ -226,23 +245,31 @@ fn report(summary: &ComparisonSummary, faces: usize, solver: &Report) -> String 
         &format!("{:.2}", direct.seconds),
     ]));
     lines.push(format!("\nThe matrix answer {}.", direct.verdict));
-    lines.extend(direct.reasons.iter().map(|reason| {
-        let follows = match reason.agreement {
-            Agreement::WithinNoise => {
-                format!("within noise, which does so by chance in {} of all runs", percent(reason.chance))
-            }
-            Agreement::MeshExplains => format!("the mesh may do up to {}", percent(reason.mesh)),
-            Agreement::NothingExplains => {
-                format!("the mesh may do no more than {}: something is wrong", percent(reason.mesh))
-            }
-        };
-        let found = match reason.what {
-            "mean" | "worst patch" => signed_percent(reason.found),
-            _ => percent(reason.found),
-        };
-        format!("  {:<12} {found:>8} ± {:<8} {follows}", reason.what, percent(reason.uncertainty))
-    }));
+    let decision = direct.reasons.iter().map(|test| test.agreement).max();
+    lines.extend(direct.reasons.iter().map(|test| told(test, decision)));
+    lines.push(format!("\nverdict       {}", verdict::phrase(&summary.verdict)));
     lines.join("\n")
+}
+
+/// One test of the comparison: its numbers, and where it decides, what follows.
+fn told(test: &AgreementTest, decision: Option<Agreement>) -> String {
+    let found = match test.what {
+        "mean" | "worst patch" => signed_percent(test.found),
+        _ => percent(test.found),
+    };
+    let (chance, mesh) = (percent(test.chance), percent(test.mesh));
+    let follows = match test.agreement {
+        agreement if decision != Some(agreement) => "",
+        Agreement::WithinNoise => "",
+        Agreement::MeshExplains => ": more than noise, no more than mesh error",
+        Agreement::MeshTooCoarse => ": more than noise; use more --patches to know the mesh error",
+        Agreement::NothingExplains => ": something is wrong",
+    };
+    format!(
+        "  {:<12} {found:>8} ± {:<8} chance by noise {chance}, mesh error up to {mesh}{follows}",
+        test.what,
+        percent(test.uncertainty)
+    )
 }
 
 /// A line of the table.

@@ -2,13 +2,15 @@
 
 use std::path::PathBuf;
 
+use radiosity::measure::Energy;
 use radiosity::output::{self, RenderOptions};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Feature, Scene};
+use radiosity::solve::Solution;
 use radiosity::trace::Tracer;
 use radiosity::transport::{
-    Forecast, FormFactors, Keep, LightOptions, Plan, Sources, Switches, TraceOptions, Work,
+    Forecast, FormFactors, Keep, LightOptions, Plan, Sources, Switches, TraceOptions, Transport, Work,
 };
 
 use crate::args::{AccuracyArgs, BasisArg, RunArgs, SolverArgs};
@@ -103,6 +105,25 @@ impl FactorsArgs {
             return Ok(sources.with_lamps(tracer, patches, &self.options(run, light.progress).1)?);
         }
         Ok(sources)
+    }
+
+    /// Where the power goes, of the sources that [`FactorsArgs::sources`] found and their solution.
+    pub fn energy(
+        &self,
+        tracer: &Tracer,
+        patches: &Patches,
+        (k, sources): (&Transport, &Sources),
+        solution: &Solution,
+        light: &LightOptions,
+    ) -> Result<Energy, Failure> {
+        let area_unit = patches.unit_of_area();
+        Ok(match &sources.direct {
+            Some(arrived) if tracer.scene().is_without(Feature::Interreflection) => {
+                let lights = Sources::trace(tracer, patches, k.basis(), light)?;
+                Energy::of_direct_light(k, &lights, arrived, area_unit)
+            }
+            _ => Energy::of(k, sources, &solution.radiance, area_unit),
+        })
     }
 
     /// What solving with these options will probably cost, or with as many patches and rays as were chosen else.

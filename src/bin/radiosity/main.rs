@@ -11,6 +11,7 @@ mod render;
 mod solve;
 mod study;
 mod terminal;
+mod verdict;
 
 use std::process::ExitCode;
 

@@ -1,5 +1,6 @@
 //! `radiosity render`: pictures.
 
+use radiosity::measure::{Answer, Verdict};
 use radiosity::output::{self, RenderOptions};
 use radiosity::solve;
 use radiosity::trace::Tracer;
@@ -8,6 +9,7 @@ use radiosity::transport::{Keep, Transport};
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
 use crate::terminal::{Failure, Terminal};
+use crate::verdict::{self, StrictArgs};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -19,6 +21,8 @@ pub struct Args {
     factors: FactorsArgs,
     #[command(flatten)]
     solver: SolverArgs,
+    #[command(flatten)]
+    strict: StrictArgs,
     #[command(flatten)]
     pub run: RunArgs,
 }
@@ -35,15 +39,24 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, Keep::Nothing, terminal)?;
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
-    let sources = args.factors.sources(
-        &tracer,
-        &patches,
-        basis,
-        &args.run,
-        &args.factors.light(&args.run, progress),
-    )?;
+    let light = args.factors.light(&args.run, progress);
+    let sources = args.factors.sources(&tracer, &patches, basis, &args.run, &light)?;
     let e = sources.right_hand_side(&k);
-    let solution = solve::solve(&k, &e, &args.solver.options(&args.run, progress))?;
+    let solution = solve::solve(&k, &e, &args.solver.options(&args.run, progress))?.under(&sources);
+    let energy = args.factors.energy(&tracer, &patches, (&k, &sources), &solution, &light)?;
+    let verdict = Verdict::of(&Answer {
+        tracer: &tracer,
+        patches: &patches,
+        operator: &k,
+        sources: &sources,
+        solution: &solution,
+        energy: &energy,
+        budget: None,
+        tolerance: args.solver.tolerance,
+        order: args.solver.order,
+        overlapping: &[],
+        disagreeing: &[],
+    });
     let camera = args::camera(&tracer, &patches);
     let look = RenderOptions { carried: sources.carried.as_ref().map(|light| &light.irradiance), ..look };
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
@@ -54,11 +67,12 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let files = outputs.commit()?;
     let stages = terminal.stages();
     if args.run.json {
-        let summary = serde_json::json!({ "scene": scene.name(), "files": files, "stages": stages });
+        let summary = serde_json::json!({ "scene": scene.name(), "files": files, "stages": stages, "verdict": verdict });
         terminal.print(serde_json::to_string_pretty(&summary)?)?;
     }
     let seconds: f64 = stages.iter().map(|s| s.seconds).sum();
     let folder = args.scene.folder(&scene);
     terminal.say(format_args!("wrote {} to {} in {seconds:.2} s", files.join(", "), folder.display()))?;
-    Ok(())
+    verdict::warn(&verdict, terminal);
+    args.strict.conclude(&verdict)
 }

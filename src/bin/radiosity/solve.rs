@@ -1,6 +1,6 @@
 //! `radiosity solve`: the main job.
 
-use radiosity::measure::{Energy, ErrorBars, Slack, Undershoot};
+use radiosity::measure::{self, Answer, Cause, ErrorBars, Slack, Undershoot, Verdict};
 use radiosity::output::{
     self, EnergySummary, Photometry, Quantity, RenderOptions, SeriesSummary, Shading, Summary, Surfaces,
 };
@@ -14,6 +14,7 @@ use crate::accuracy::{self, GoalArgs};
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
 use crate::terminal::{Failure, Terminal};
+use crate::verdict::{self, StrictArgs};
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -36,6 +37,8 @@ pub struct Args {
 
     #[command(flatten)]
     picture: PictureArgs,
+    #[command(flatten)]
+    strict: StrictArgs,
     #[command(flatten)]
     pub run: RunArgs,
 }
@@ -93,6 +96,20 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
 
     let whole = solution.clone().under(&sources);
     let bars = ErrorBars::of(&patches, &factors, &sources, &whole, progress)?;
+    let energy = args.factors.energy(&tracer, &patches, (&k, &sources), &whole, &light)?;
+    let verdict = Verdict::of(&Answer {
+        tracer: &tracer,
+        patches: &patches,
+        operator: &k,
+        sources: &sources,
+        solution: &whole,
+        energy: &energy,
+        budget: Some(&bars.budget),
+        tolerance,
+        order,
+        overlapping: &[],
+        disagreeing: &[],
+    });
 
     let mut received = Vec::new();
     for receiver in scene.receivers() {
@@ -158,16 +175,11 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     }
     args.picture.write(&picture, &mut outputs)?;
 
-    let area_unit = tracer.frame().scale().powi(2);
-    let energy = match &sources.direct {
-        Some(arrived) if direct_only => {
-            let lights = Sources::trace(&tracer, &patches, basis, &light)?;
-            Energy::of_direct_light(&k, &lights, arrived, area_unit)
-        }
-        _ => Energy::of(&k, &sources, &solution.radiance, area_unit),
-    };
+    // The verdict names what is missing where it is a notable part of all power.
     let slack = Slack::of(&patches, &k, &sources, &solution.radiance).warning(&scene);
-    slack.iter().for_each(|warning| terminal.warn(warning));
+    if verdict.reasons.iter().all(|reason| reason.cause != Cause::Slack) {
+        slack.iter().for_each(|warning| terminal.warn(warning));
+    }
     let summary = Summary {
         scene: scene.name().to_owned(),
         version: env!("CARGO_PKG_VERSION"),
@@ -180,7 +192,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         storage: factors.exchange().storage_name(),
         plan,
         stages: terminal.stages(),
-        series: SeriesSummary::new(&series, solution, area_unit),
+        series: SeriesSummary::new(&series, solution, patches.unit_of_area()),
         solver: solution.report.clone(),
         energy: (&energy).into(),
         closure: *factors.exchange().closure(),
@@ -189,6 +201,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         error: bars.budget.clone(),
         steps,
         warnings: scene.warnings().iter().cloned().chain(slack).collect(),
+        verdict,
     };
     outputs.file("solution.json", |file| output::write_summary(file, &summary))?;
     let files = outputs.commit()?;
@@ -198,7 +211,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     terminal.say(report(&summary, scene.faces().len(), &factors))?;
     let folder = args.scene.folder(&scene);
     terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()))?;
-    Ok(())
+    verdict::warn(&summary.verdict, terminal);
+    args.strict.conclude(&summary.verdict)
 }
 
 /// What the user wants to know, in a dozen lines.
@@ -233,13 +247,14 @@ fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
             series.order, series.residual, bounds[0], series.bound, series.difference, solver.name
         ),
         format!(
-            "energy        emitted {} W, absorbed {} W, escaped {} W{}; imbalance {:.0e}\n",
+            "energy        emitted {} W, absorbed {} W, escaped {} W{}; imbalance {:.0e}",
             triple(energy.emitted),
             triple(energy.absorbed),
             triple(energy.escaped),
             elsewhere(energy),
             energy.imbalance
         ),
+        format!("verdict       {}\n", verdict::phrase(&summary.verdict)),
         format!("  order  flux it adds (W)            residual  {}", bounds[0]),
     ];
     if summary.undershoot.share > 0.0 {
@@ -247,7 +262,7 @@ fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
         let line = format!(
             "undershoot    below zero at corners on {share:.1} % of the area, by {depth:.2} % of the brightest at most"
         );
-        lines.insert(lines.len() - 2, line);
+        lines.insert(lines.len() - 3, line);
     }
     if !summary.photometry.is_empty() {
         lines.insert(lines.len() - 1, illuminances(&summary.photometry));

@@ -13,6 +13,7 @@ use radiosity::transport::TransportError;
 
 use crate::args::{self, BasisArg, RunArgs, SceneArgs};
 use crate::terminal::{Failure, Terminal};
+use crate::verdict::StrictArgs;
 
 /// Show what accuracy costs in time: patches × rays × solver and order against a path-traced reference
 ///
@@ -45,6 +46,8 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = BasisArg::Constant, help_heading = "Study")]
     basis: BasisArg,
 
+    #[command(flatten)]
+    strict: StrictArgs,
     #[command(flatten)]
     pub run: RunArgs,
 }
@@ -109,7 +112,16 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         terminal.print(serde_json::to_string_pretty(&summary)?)?;
     }
     terminal.say(format_args!("wrote to {}", folder.display()))?;
-    Ok(())
+    for (cell, verdict) in study.verdicts() {
+        for reason in &verdict.reasons {
+            let level = reason.level.name();
+            terminal.warn(format_args!(
+                "{level} answer with {} patches × {} rays: {reason}",
+                cell.patches, cell.rays
+            ));
+        }
+    }
+    study.verdicts().iter().try_for_each(|(_, verdict)| args.strict.conclude(verdict))
 }
 
 impl Args {

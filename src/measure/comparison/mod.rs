@@ -1,20 +1,20 @@
 //! Comparison: the matrix answer and every order of its series against the path-traced reference.
 
+mod agreement;
 mod difference;
 mod faces;
 mod mesh_error;
 mod orders;
 mod reference;
-mod verdict;
 
 use nalgebra::DMatrix;
 
+pub use agreement::{Agreement, AgreementTest};
 pub use difference::{Difference, Worst};
 pub use faces::RelativeRms;
 pub use mesh_error::MeshError;
 pub use orders::{OrderOptions, OrderRow};
 pub use reference::{ReferenceError, ReferenceRow};
-pub use verdict::{Agreement, Reason};
 
 use super::PathTraced;
 use crate::patches::Patches;
@@ -31,7 +31,7 @@ pub struct Comparison {
     /// What comes of it all.
     pub agreement: Agreement,
     /// What was looked at, and how each thing came out.
-    pub reasons: Vec<Reason>,
+    pub reasons: Vec<AgreementTest>,
 }
 
 impl Comparison {
@@ -48,20 +48,30 @@ impl Comparison {
         let of_patches = difference::patches(irradiance, reference);
         let of_faces = difference::faces(patches, irradiance, reference);
         let (by_patch, by_face) = (Difference::over(&of_patches), Difference::over(&of_faces));
-        let change = verdict::Change::new(patches, reference, mesh);
-        let reasons = verdict::reasons(&of_patches, &by_patch, &by_face, &change);
+        let change = agreement::Change::new(patches, reference, mesh);
+        let reasons = agreement::reasons(&of_patches, &by_patch, &by_face, &change);
         let agreement = Agreement::of(&reasons);
         Self { by_patch, by_face, mesh_change: change.by_patch, agreement, reasons }
     }
 
-    /// The verdict, in a sentence.
+    /// The agreement, in a sentence about the test that decides it.
     pub fn verdict(&self) -> String {
-        let Difference { rms, uncertainty, .. } = self.by_patch;
-        let differs = format!("differs by {:.2} % ± {:.2} %", 100.0 * rms, 100.0 * uncertainty);
-        match self.agreement {
-            Agreement::WithinNoise => "agrees within noise".into(),
-            Agreement::MeshExplains => format!("{differs}, which the mesh explains"),
-            Agreement::NothingExplains => format!("{differs}, which nothing explains"),
-        }
+        let explained = match self.agreement {
+            Agreement::WithinNoise => return "agrees within noise".into(),
+            Agreement::MeshExplains => "the mesh explains",
+            Agreement::MeshTooCoarse => "the mesh is too coarse to explain",
+            Agreement::NothingExplains => "nothing explains",
+        };
+        let decides = |test: &&AgreementTest| test.agreement == self.agreement;
+        let (what, found, uncertainty) =
+            self.reasons.iter().find(decides).map_or(("", 0.0, 0.0), |t| (t.what, t.found, t.uncertainty));
+        let place = match what {
+            "faces" => " by face",
+            "mean" => " in its mean",
+            "worst patch" => " of the typical irradiance at one patch",
+            _ => "",
+        };
+        let [found, uncertainty] = [100.0 * found.abs(), 100.0 * uncertainty];
+        format!("differs by {found:.2} % ± {uncertainty:.2} %{place}, which {explained}")
     }
 }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::{Finding, Verdict, shape};
+use super::{Finding, Grade, shape};
 use crate::scene::Scene;
 use crate::trace::Tracer;
 
@@ -70,6 +70,14 @@ impl<'s> Edges<'s> {
         self.all.iter().flat_map(|(_, uses)| uses.windows(2))
     }
 
+    /// Faces at edges that not exactly two faces use.
+    pub fn unpaired(&self) -> impl Iterator<Item = usize> {
+        self.all
+            .iter()
+            .filter(|(_, uses)| uses.len() != 2)
+            .flat_map(|(_, uses)| uses.iter().map(|edge| edge.face))
+    }
+
     /// How many edges one face alone uses; they bound sheets and holes.
     pub fn open(&self) -> Finding {
         let count = self.alone().count();
@@ -86,7 +94,7 @@ impl<'s> Edges<'s> {
                 format!("holes: there are {} rims", rims.len())
             }
         );
-        finding.but(Verdict::Note, rims, remedy)
+        finding.but(Grade::Note, rims, remedy)
     }
 
     /// One face from each set of open edges that hang together, that with the most edges first.
@@ -113,7 +121,7 @@ impl<'s> Edges<'s> {
         let mut faces = crowded;
         faces.dedup();
         finding.but(
-            Verdict::Note,
+            Grade::Note,
             faces,
             "more than two faces meet there: fine where walls branch or solids touch; else look for faces inside the surface",
         )
@@ -129,11 +137,24 @@ impl<'s> Edges<'s> {
         }
         let remedy = "no harm to light that is reflected, for both sides reflect alike, but only fronts emit: where it matters, \
                       make the normals consistent";
-        Finding { count: Some(breaks), ..finding }.but(Verdict::Note, against, remedy)
+        Finding { count: Some(breaks), ..finding }.but(Grade::Note, against, remedy)
     }
 
     /// The faces to be flipped, the fewer in each connected surface, for the fronts to agree across shared edges.
     fn against_neighbours(&self) -> Vec<usize> {
+        let mut against = Vec::new();
+        for (surface, _) in self.oriented() {
+            let (flipped, rest): (Vec<_>, Vec<_>) = surface.into_iter().partition(|&(_, turned)| turned);
+            let fewer = if flipped.len() <= rest.len() { flipped } else { rest };
+            against.extend(fewer.into_iter().map(|(face, _)| face));
+        }
+        against.sort_unstable();
+        against
+    }
+
+    /// The surfaces connected by edges that two faces share: their faces, which of them have to be turned for all fronts to agree with the
+    /// first's, and whether all do then.
+    pub fn oriented(&self) -> Vec<(Vec<(usize, bool)>, bool)> {
         let mut next_to: HashMap<usize, Vec<(usize, bool)>> = HashMap::new();
         for [one, other] in self.shared() {
             let turned = one.upwards == other.upwards;
@@ -141,31 +162,31 @@ impl<'s> Edges<'s> {
             next_to.entry(other.face).or_default().push((one.face, turned));
         }
         let mut orientation: Vec<Option<bool>> = vec![None; self.scene.faces().len()];
-        let mut against = Vec::new();
+        let mut surfaces = Vec::new();
         for start in shape::kept(self.scene) {
             if orientation[start].is_some() {
                 continue;
             }
             orientation[start] = Some(false);
-            let mut surface = vec![start];
-            let mut at = 0;
+            let mut surface = vec![(start, false)];
+            let (mut at, mut agree) = (0, true);
             while at < surface.len() {
-                let face = surface[at];
-                let own = orientation[face] == Some(true);
+                let (face, own) = surface[at];
                 for &(neighbour, turned) in next_to.get(&face).into_iter().flatten() {
-                    if orientation[neighbour].is_none() {
-                        orientation[neighbour] = Some(own ^ turned);
-                        surface.push(neighbour);
+                    let wanted = own ^ turned;
+                    match orientation[neighbour] {
+                        None => {
+                            orientation[neighbour] = Some(wanted);
+                            surface.push((neighbour, wanted));
+                        }
+                        Some(known) => agree &= known == wanted,
                     }
                 }
                 at += 1;
             }
-            let (flipped, rest): (Vec<usize>, Vec<usize>) =
-                surface.into_iter().partition(|&face| orientation[face] == Some(true));
-            against.extend(if flipped.len() <= rest.len() { flipped } else { rest });
+            surfaces.push((surface, agree));
         }
-        against.sort_unstable();
-        against
+        surfaces
     }
 }
 

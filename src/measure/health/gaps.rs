@@ -5,7 +5,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::edges::{Edges, Use};
-use super::{Finding, Verdict};
+use super::{Finding, Grade};
 use crate::trace::Tracer;
 
 /// The widest crack, relative to its edge.
@@ -30,7 +30,7 @@ pub(super) fn cracks(edges: &Edges, tracer: &Tracer) -> Finding {
     }
     let remedy = "edges nearly meet along these faces: if they are meant to meet, weld the vertices (merge by distance), for \
                   light may pass between them";
-    Finding { count: Some(cracks.len()), ..finding }.but(Verdict::Note, faces_of(&cracks), remedy)
+    Finding { count: Some(cracks.len()), ..finding }.but(Grade::Note, faces_of(&cracks), remedy)
 }
 
 /// How many vertices lie within another face's open edge.
@@ -50,7 +50,7 @@ pub(super) fn t_junctions(edges: &Edges) -> Finding {
     let mut faces: Vec<usize> = found.iter().map(|&(_, k)| open.edges[k].1.face).collect();
     faces.dedup();
     finding.but(
-        Verdict::Note,
+        Grade::Note,
         faces,
         "these faces have corners of others along their edges: safe, but shading breaks there; split the long edges at the \
          corners if it shows",

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::edges::{Edges, Groups};
-use super::{Finding, Verdict, shape};
+use super::{Finding, Grade, shape};
 use crate::scene::Side;
 use crate::trace::{Ray, Tracer, sampling, sampling::Sequence};
 
@@ -54,7 +54,7 @@ pub(super) fn lamps(edges: &Edges, tracer: &Tracer, seed: u64) -> Finding {
     }
     if lamps.is_empty() {
         let remedy = "nothing emits: give a material an emission (Ke in the MTL file, or `emission` in the .toml), or add a [[light]] or a [sky] there, before solving";
-        return Finding::good(NAME, 0.0, Some("lamps")).but(Verdict::Note, [], remedy);
+        return Finding::good(NAME, 0.0, Some("lamps")).but(Grade::Note, [], remedy);
     }
     let alone = lamps.len() == 1 && lamps[0].faces.len() == shape::kept(scene).count();
     let astray: Vec<&Lamp> = lamps.iter().filter(|lamp| !alone && lamp.lights_nothing()).collect();
@@ -71,19 +71,19 @@ pub(super) fn lamps(edges: &Edges, tracer: &Tracer, seed: u64) -> Finding {
                 "there is nothing to light on either side of them: move them into the scene, or let them emit nothing"
             }
         };
-        return finding.but(Verdict::Bad, faces, remedy);
+        return finding.but(Grade::Bad, faces, remedy);
     }
     let torn = torn(edges);
     if !torn.is_empty() {
         let remedy = "neighbouring faces of one lamp emit to opposite sides: flip one of each pair";
-        return finding.but(Verdict::Bad, torn, remedy);
+        return finding.but(Grade::Bad, torn, remedy);
     }
     let near: Vec<usize> =
         lamps.iter().filter(|lamp| lamp.faces_a_wall()).flat_map(|lamp| lamp.faces.iter().copied()).collect();
     if !near.is_empty() {
         let remedy = "their fronts are right before a surface and their backs are not: if they are not meant to light it from so \
                       near, flip them";
-        return finding.but(Verdict::Note, near, remedy);
+        return finding.but(Grade::Note, near, remedy);
     }
     finding
 }

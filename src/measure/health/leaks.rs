@@ -7,7 +7,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Finding, Verdict, shape};
+use super::{Finding, Grade, shape};
 use crate::patches::{Facet, Patches};
 use crate::scene::Side;
 use crate::trace::sampling::{self, SEQUENCE_END, Sequence};
@@ -52,7 +52,7 @@ pub(super) fn leaks(tracer: &Tracer, patches: &Patches, seed: u64) -> Finding {
     let wide = format!("{} m wide", short(width * tracer.frame().scale()));
     match (width < 2.0 * NARROW, share < OVERSIGHT) {
         (true, true) => finding.but(
-            Verdict::Bad,
+            Grade::Bad,
             beside,
             format!(
                 "light is lost through gaps about {wide} beside these faces: weld vertices that should coincide, or move one \
@@ -60,12 +60,12 @@ pub(super) fn leaks(tracer: &Tracer, patches: &Patches, seed: u64) -> Finding {
             ),
         ),
         (true, false) => finding.but(
-            Verdict::Note,
+            Grade::Note,
             beside,
             format!("much through gaps about {wide} beside these faces: fine for blinds and grilles, else close them"),
         ),
         (false, _) => finding.but(
-            Verdict::Note,
+            Grade::Note,
             beside,
             format!(
                 "through openings about {wide} beside these faces: fine for doors and windows, else a face is missing there"

@@ -3,6 +3,7 @@
 //! [`mesh_health`] looks at what was modelled, [`operator_health`] at what was made of it. Corners at exactly the same
 //! position are one vertex here, whatever object they belong to; faces that were dropped count only where they are the topic.
 
+mod closed;
 mod edges;
 mod gaps;
 mod lamps;
@@ -15,6 +16,7 @@ use serde::Serialize;
 
 use crate::patches::Patches;
 use crate::trace::Tracer;
+pub(super) use closed::ClosedSurfaces;
 use edges::Edges;
 pub use operator::operator_health;
 pub use overlaps::{ObjectOverlap, overlaps};
@@ -22,7 +24,7 @@ pub use overlaps::{ObjectOverlap, overlaps};
 /// What a finding means for an answer; the later, the worse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Verdict {
+pub enum Grade {
     /// As it should be.
     Good,
     /// Does no harm by itself, but may not be what was meant.
@@ -33,14 +35,14 @@ pub enum Verdict {
     Bad,
 }
 
-impl Verdict {
+impl Grade {
     /// `good`, `note`, `fair` or `bad`.
     pub fn name(self) -> &'static str {
         match self {
-            Verdict::Good => "good",
-            Verdict::Note => "note",
-            Verdict::Fair => "fair",
-            Verdict::Bad => "bad",
+            Grade::Good => "good",
+            Grade::Note => "note",
+            Grade::Fair => "fair",
+            Grade::Bad => "bad",
         }
     }
 }
@@ -51,7 +53,7 @@ pub struct Finding {
     /// What was looked at, such as `leaks`.
     pub name: &'static str,
     /// What it means.
-    pub verdict: Verdict,
+    pub verdict: Grade,
     /// What was measured; not finite (`null` in JSON) where there is no such number.
     pub value: f64,
     /// Of what, or in which unit, where it has one. A share of 0 to 1 has a unit that starts with `of`.
@@ -73,16 +75,11 @@ impl Finding {
 
     /// A good finding; the rest is said by those that are not.
     fn good(name: &'static str, value: f64, unit: Option<&'static str>) -> Self {
-        Self { name, verdict: Verdict::Good, value, unit, count: None, faces: Vec::new(), remedy: None }
+        Self { name, verdict: Grade::Good, value, unit, count: None, faces: Vec::new(), remedy: None }
     }
 
     /// Judges, and says what to do.
-    fn but(
-        self,
-        verdict: Verdict,
-        faces: impl IntoIterator<Item = usize>,
-        remedy: impl Into<String>,
-    ) -> Self {
+    fn but(self, verdict: Grade, faces: impl IntoIterator<Item = usize>, remedy: impl Into<String>) -> Self {
         let faces = faces.into_iter().take(Self::MOST_FACES).collect();
         Self { verdict, faces, remedy: Some(remedy.into()), ..self }
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 
-use super::{Finding, Verdict};
+use super::{Finding, Grade};
 use crate::patches::{Patches, Slot};
 use crate::progress::Progress;
 use crate::solve::{Amplification, CgOptions, SolveError};
@@ -68,7 +68,7 @@ fn closure(exchange: &Exchange, patches: &Patches) -> Finding {
         return finding;
     }
     let off = |patch: usize| coefficients(exchange, patch).map(off).fold(0.0, f64::max);
-    let verdict = if value < TOLERABLE { Verdict::Fair } else { Verdict::Bad };
+    let verdict = if value < TOLERABLE { Grade::Fair } else { Grade::Bad };
     let remedy = match exchange.closure_error() < ROUNDING {
         true => {
             "these faces send more than the faces they see send back, and more rays will not help: they lie in one plane with \
@@ -87,7 +87,7 @@ fn reciprocity(exchange: &Exchange) -> Finding {
         return finding;
     }
     let remedy = "exchange areas differ between to and fro: the form factors are damaged; trace them anew";
-    finding.but(Verdict::Bad, [], remedy)
+    finding.but(Grade::Bad, [], remedy)
 }
 
 /// The greatest sum of a patch's form factors, 1 in a closed place.
@@ -101,7 +101,7 @@ fn row_sums(exchange: &Exchange, patches: &Patches) -> Finding {
         return finding;
     }
     let remedy = "these faces give out more than they get: trace more rays (--rays)";
-    finding.but(Verdict::Bad, worst_faces(patches, sum, 1.0 + ROUNDING), remedy)
+    finding.but(Grade::Bad, worst_faces(patches, sum, 1.0 + ROUNDING), remedy)
 }
 
 /// How many pairs of face sides found different exchange areas to and fro.
@@ -113,7 +113,7 @@ fn agreement(factors: &FormFactors) -> Finding {
         "rays from these faces to others and back find different amounts of light, by up to {:.0} standard errors: faces meet there in a          way that rounding decides; look for faces that almost coincide",
         worst.z
     );
-    finding.but(Verdict::Fair, found.iter().flat_map(|pair| pair.sides.map(|(face, _)| face)), remedy)
+    finding.but(Grade::Fair, found.iter().flat_map(|pair| pair.sides.map(|(face, _)| face)), remedy)
 }
 
 /// ‖K‖∞, the largest share of what arrives anywhere that goes on to where it is not lost.
@@ -123,7 +123,7 @@ fn norm(k: &Transport) -> Finding {
     if value <= 1.0 + ROUNDING {
         return finding;
     }
-    finding.but(Verdict::Bad, [], "a bounce adds energy: trace more rays (--rays)")
+    finding.but(Grade::Bad, [], "a bounce adds energy: trace more rays (--rays)")
 }
 
 /// A bound on the condition number of I − K: by how much an error of its entries can grow.
@@ -138,20 +138,20 @@ fn condition(k: &Transport, patches: &Patches, progress: Progress) -> Result<Fin
         "light goes on almost for ever, and small errors of reflectances become large ones of the answer; lower the reflectance of \
          {brightest} ({passed_on}), which few real surfaces have"
     );
-    let verdict = if value < ILL { Verdict::Fair } else { Verdict::Bad };
+    let verdict = if value < ILL { Grade::Fair } else { Grade::Bad };
     Ok(finding.but(verdict, [], remedy))
 }
 
 fn unsolvable(error: &TransportError, patches: &Patches) -> Finding {
     let TransportError::Unsolvable { materials } = error else {
-        return Finding::good("condition", f64::INFINITY, None).but(Verdict::Bad, [], error.to_string());
+        return Finding::good("condition", f64::INFINITY, None).but(Grade::Bad, [], error.to_string());
     };
     let scene = patches.scene();
     let traps = |face: usize| materials.contains(&scene.material_of(face).name);
     let mut faces: Vec<usize> =
         (0..patches.len()).map(|i| patches.place(i).face).filter(|&f| traps(f)).collect();
     faces.dedup();
-    Finding::good("condition", f64::INFINITY, None).but(Verdict::Bad, faces, error.to_string())
+    Finding::good("condition", f64::INFINITY, None).but(Grade::Bad, faces, error.to_string())
 }
 
 /// The material that passes most on, by reflection and where it is a sheet through it, and how much.

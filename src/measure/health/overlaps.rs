@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Finding, Verdict};
+use super::{Finding, Grade};
 use crate::trace::{Overlap, OverlapKind, Tracer};
 
 /// Two objects whose faces coincide with fronts that point the same way.
@@ -63,7 +63,7 @@ pub(super) fn same_front(tracer: &Tracer) -> Finding {
     );
     let pairs = of_kind(tracer, OverlapKind::SameFront).count();
     let faces = found.iter().flat_map(|overlap| overlap.faces.iter().copied());
-    Finding { count: Some(pairs), ..finding }.but(Verdict::Note, faces, remedy)
+    Finding { count: Some(pairs), ..finding }.but(Grade::Note, faces, remedy)
 }
 
 /// The area of faces that lie back to back.

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Finding, Verdict};
+use super::{Finding, Grade};
 use crate::scene::{FaceState, Scene};
 use crate::trace::Tracer;
 
@@ -21,7 +21,7 @@ pub(super) fn size(tracer: &Tracer) -> Finding {
         return finding;
     }
     finding.but(
-        Verdict::Note,
+        Grade::Note,
         [],
         "unusual for a place to be lit: if the file is not in metres, set `unit` (metres per unit of the file) in the .toml beside \
          it; radiance and irradiance stay the same, powers grow with its square",
@@ -46,7 +46,7 @@ pub(super) fn zero_area(scene: &Scene) -> Finding {
     }
     let found = with_state(scene, FaceState::ZeroArea);
     finding.but(
-        Verdict::Note,
+        Grade::Note,
         found,
         "they are left out, which changes no light; delete them to be rid of this",
     )
@@ -63,11 +63,11 @@ pub(super) fn duplicates(scene: &Scene) -> Finding {
     if dark.is_empty() {
         let remedy = "the first of each is used and the others are left out; delete them, or move them if they are meant to be \
                       the two sides of something thick";
-        return finding.but(Verdict::Note, dropped, remedy);
+        return finding.but(Grade::Note, dropped, remedy);
     }
     let remedy = "some of them emit, but the face that is used in their place does not, or faces the other way, so that their \
                   light is lost; delete the faces under the lamps, or move the lamps off them";
-    finding.but(Verdict::Bad, dark, remedy)
+    finding.but(Grade::Bad, dark, remedy)
 }
 
 /// Dropped faces that emit where the face that acts in their place does not, or turns its front elsewhere.
@@ -118,13 +118,13 @@ pub(super) fn slivers(tracer: &Tracer) -> Finding {
     let faces = all[..slivers].iter().map(|x| x.1);
     match worst > NEEDLE {
         true => finding.but(
-            Verdict::Bad,
+            Grade::Bad,
             faces,
             "the thinnest are lines to the arithmetic and their normals are rounding: collapse their shortest edges, or \
              remesh there",
         ),
         false => finding.but(
-            Verdict::Note,
+            Grade::Note,
             faces,
             "safe, but patches on them are long and thin and resolve shadows badly; remesh there if that is where you look",
         ),

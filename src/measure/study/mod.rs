@@ -25,7 +25,7 @@ pub use reference::{FaceError, ReferenceSide, StudyReference};
 pub use row::{Reading, StudyRow, StudySolver};
 pub use trend::{Slope, Trend};
 
-use super::MeasureError;
+use super::{MeasureError, Verdict};
 use crate::patches::{Basis, PatchError, PatchSize, Patches, Tessellation};
 use crate::progress::{Observer, Progress};
 use crate::scene::Scene;
@@ -83,6 +83,8 @@ pub struct Study<'t, 's, 'o> {
     paths_measured: bool,
     rows: Vec<StudyRow>,
     left_out: Vec<LeftOut>,
+    /// Of cells that were measured now.
+    verdicts: Vec<(Cell, Verdict)>,
     /// Rows that come from an earlier run.
     taken_over: usize,
 }
@@ -134,6 +136,7 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
             paths_measured: false,
             rows: Vec::new(),
             left_out: Vec::new(),
+            verdicts: Vec::new(),
             taken_over: 0,
         })
     }
@@ -190,7 +193,10 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
             }
             let watch = Watch::new(self.options.progress, "study", self.spent(), self.expected_seconds());
             match runs::measure_cell(self.tracer, cell, reference, &self.options, Progress::to(&watch)) {
-                Ok(rows) => self.rows.extend(rows),
+                Ok((rows, verdict)) => {
+                    self.rows.extend(rows);
+                    self.verdicts.push((cell, verdict));
+                }
                 Err(error) if is_too_large(&error) => {
                     self.left_out.push(LeftOut { cell, wants: Want::Memory(error.to_string()) });
                     continue;
@@ -283,6 +289,11 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
     /// What was left out for lack of time or memory.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
+    }
+
+    /// Whether the answers of the cells measured in this run can be relied on.
+    pub fn verdicts(&self) -> &[(Cell, Verdict)] {
+        &self.verdicts
     }
 
     /// Number of rows that come from an earlier run.

@@ -4,7 +4,7 @@
 
 use std::time::Instant;
 
-use super::super::{Budget, MeasureError, PathOptions, PathTracer};
+use super::super::{Answer, Budget, Energy, MeasureError, PathOptions, PathTracer, Verdict};
 use super::StudyOptions;
 use super::grid::Cell;
 use super::reference::StudyReference;
@@ -59,14 +59,15 @@ impl Way {
     }
 }
 
-/// Solves one cell every way, as often as it is to be repeated.
+/// Solves one cell every way, as often as it is to be repeated; also answers whether what conjugate gradients find first can be relied on.
 pub(super) fn measure_cell(
     tracer: &Tracer,
     cell: Cell,
     reference: &StudyReference,
     options: &StudyOptions,
     progress: Progress,
-) -> Result<Vec<StudyRow>, MeasureError> {
+) -> Result<(Vec<StudyRow>, Verdict), MeasureError> {
+    let mut verdict = Verdict::default();
     let mut ways = vec![Way::new(StudySolver::Cg, None)];
     ways.extend(ORDERS.map(|order| Way::new(StudySolver::Neumann, Some(order))));
     let mut patches = 0;
@@ -93,17 +94,35 @@ pub(super) fn measure_cell(
         }
         for way in &mut ways {
             let began = Instant::now();
-            let solved = solve::solve(&k, &e, &solve_options(way, memory, progress))?;
+            let solve_options = solve_options(way, memory, progress);
+            let solved = solve::solve(&k, &e, &solve_options)?;
             way.seconds.push([before, began.elapsed().as_secs_f64()]);
             way.iterations = solved.report.iterations;
+            let solved = solved.under(&sources);
+            if repeat == 0 && way.solver == StudySolver::Cg {
+                verdict = Verdict::of(&Answer {
+                    tracer,
+                    patches: &cut,
+                    operator: &k,
+                    sources: &sources,
+                    solution: &solved,
+                    energy: &Energy::of(&k, &sources, &solved.radiance, cut.unit_of_area()),
+                    budget: None,
+                    tolerance: solve_options.tolerance,
+                    order: solve_options.order,
+                    overlapping: &[],
+                    disagreeing: &[],
+                });
+            }
             way.bytes = factors.exchange().bytes();
             if way.solver == StudySolver::Direct {
                 way.bytes += solve::factor_bytes(&k);
             }
-            way.answers.push(cut.average_by_face(&solved.under(&sources).means(basis).irradiance));
+            way.answers.push(cut.average_by_face(&solved.means(basis).irradiance));
         }
     }
-    Ok(ways.into_iter().map(|way| way.row(patches, cell.rays, cell.patches, reference)).collect())
+    let rows = ways.into_iter().map(|way| way.row(patches, cell.rays, cell.patches, reference));
+    Ok((rows.collect(), verdict))
 }
 
 fn solve_options<'a>(way: &Way, memory: u64, progress: Progress<'a>) -> SolveOptions<'a> {

@@ -1,9 +1,12 @@
-//! Verdict: whether an answer agrees with its reference, differs as its mesh explains, or differs as nothing explains.
+//! Agreement: whether an answer agrees with its reference, differs as its mesh explains, or differs as nothing explains.
 //!
 //! Four things are looked at: the root mean square over patches and over faces, the mean, and the worst patch. Each is first held
 //! against the noise of the reference alone, at a level corrected for their number. What noise does not explain is held against what the
 //! mesh may do: [`MeshError`] tells how much half the edge changes; with an error that falls only as √h, as it does along the edges of
 //! shadows, 2.4 times the change remains, and three times is allowed. An error that does not come from the mesh does not change with it.
+//! That rule holds for fine meshes: where it would allow more than a fifth of the light, or a twentieth of the mean, the mesh explains nothing.
+//!
+//! The worst of the four decides, and all that is said follows from this one decision.
 
 use super::super::PathTraced;
 use super::difference::{self, Difference, Place};
@@ -25,10 +28,15 @@ const ALWAYS_OF_ONE: f64 = 6.0;
 /// So much of it for the mean over all patches.
 const ALWAYS_OF_MEAN: f64 = 0.1;
 
+/// The mesh explains no more than these parts of root mean squares and of the mean: an estimate that allows more comes from a mesh that is too
+/// coarse for it.
+const MOST_BY_MESH: f64 = 0.2;
+const MOST_OF_MEAN: f64 = 0.05;
+
 /// Standard errors that are taken off a difference before it is held against the mesh.
 const SURE: f64 = 3.0;
 
-/// How an answer stands to its reference.
+/// How an answer compares with its reference; the later, the worse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Agreement {
@@ -36,13 +44,15 @@ pub enum Agreement {
     WithinNoise,
     /// There is more than noise, and no more than the mesh explains.
     MeshExplains,
+    /// There is more than noise; the mesh may account for it, but is too coarse to tell.
+    MeshTooCoarse,
     /// There is more than noise and mesh explain: one of the two answers is wrong.
     NothingExplains,
 }
 
 /// One look at a difference.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Reason {
+pub struct AgreementTest {
     /// What was looked at.
     pub what: &'static str,
     /// Its value, relative to the irradiance of the scene.
@@ -59,19 +69,27 @@ pub struct Reason {
 
 impl Agreement {
     /// The worst of all looks.
-    pub(super) fn of(reasons: &[Reason]) -> Self {
+    pub(super) fn of(reasons: &[AgreementTest]) -> Self {
         reasons.iter().map(|reason| reason.agreement).max().unwrap_or(Self::WithinNoise)
     }
 }
 
-impl Reason {
+impl AgreementTest {
     fn new(what: &'static str, found: f64, uncertainty: f64, chance: f64, mesh: f64, looks: usize) -> Self {
+        let most = match what {
+            "mean" => MOST_OF_MEAN,
+            "worst patch" => f64::INFINITY,
+            _ => MOST_BY_MESH,
+        };
+        let is_within = |mesh: f64| found.abs() <= mesh + SURE * uncertainty;
         let agreement = if chance > LEVEL / looks as f64 {
             Agreement::WithinNoise
-        } else if found.abs() <= mesh + SURE * uncertainty {
+        } else if !is_within(mesh) {
+            Agreement::NothingExplains
+        } else if is_within(most) {
             Agreement::MeshExplains
         } else {
-            Agreement::NothingExplains
+            Agreement::MeshTooCoarse
         };
         Self { what, found, uncertainty, chance, mesh, agreement }
     }
@@ -123,13 +141,13 @@ pub(super) fn reasons(
     by_patch: &Difference,
     by_face: &Difference,
     change: &Change,
-) -> Vec<Reason> {
+) -> Vec<AgreementTest> {
     const LOOKS: usize = 4;
     let [by_square, by_mean, _] = by_patch.chance;
     let [by_face_square, ..] = by_face.chance;
     let mean = REMAINS * change.mean.max(ALWAYS_OF_MEAN * change.by_patch);
     vec![
-        Reason::new(
+        AgreementTest::new(
             "patches",
             by_patch.rms,
             by_patch.uncertainty,
@@ -137,7 +155,7 @@ pub(super) fn reasons(
             REMAINS * change.by_patch,
             LOOKS,
         ),
-        Reason::new(
+        AgreementTest::new(
             "faces",
             by_face.rms,
             by_face.uncertainty,
@@ -145,13 +163,13 @@ pub(super) fn reasons(
             REMAINS * change.by_face,
             LOOKS,
         ),
-        Reason::new("mean", by_patch.bias, by_patch.bias_error, by_mean, mean, LOOKS),
+        AgreementTest::new("mean", by_patch.bias, by_patch.bias_error, by_mean, mean, LOOKS),
         worst_patch(places, by_patch, change, LOOKS),
     ]
 }
 
 /// The patch that noise and mesh explain least, if there is one that they do not explain; or else the one that is worst beside its noise.
-fn worst_patch(places: &[Place], by_patch: &Difference, change: &Change, looks: usize) -> Reason {
+fn worst_patch(places: &[Place], by_patch: &Difference, change: &Change, looks: usize) -> AgreementTest {
     let values = places.iter().map(|place| place.channels.len()).sum();
     let typical = difference::typical_error(places);
     let always = ALWAYS_OF_ONE * change.by_patch * change.typical;
@@ -163,7 +181,7 @@ fn worst_patch(places: &[Place], by_patch: &Difference, change: &Change, looks: 
         let z = if error > 0.0 { (value - mean) / error } else { 0.0 };
         let chance = difference::chance_of_one(z, places[place].degrees_of_freedom, values);
         // The noise of a single patch has long tails: two of its standard errors count as one.
-        Reason::new(
+        AgreementTest::new(
             "worst patch",
             relative(value - mean),
             relative(2.0 * error),
@@ -173,7 +191,7 @@ fn worst_patch(places: &[Place], by_patch: &Difference, change: &Change, looks: 
         )
     };
     let all = (0..places.len()).flat_map(|i| (0..places[i].channels.len()).map(move |c| (i, c)));
-    let beyond = |reason: &Reason| reason.found.abs() - SURE * reason.uncertainty - reason.mesh;
+    let beyond = |reason: &AgreementTest| reason.found.abs() - SURE * reason.uncertainty - reason.mesh;
     let unexplained = all
         .map(|(i, c)| look(i, c))
         .filter(|reason| reason.agreement == Agreement::NothingExplains)
@@ -181,7 +199,7 @@ fn worst_patch(places: &[Place], by_patch: &Difference, change: &Change, looks: 
     let worst = by_patch.worst;
     match unexplained {
         Some(reason) => reason,
-        None if places.is_empty() => Reason::new("worst patch", 0.0, 0.0, 1.0, 0.0, looks),
+        None if places.is_empty() => AgreementTest::new("worst patch", 0.0, 0.0, 1.0, 0.0, looks),
         None => look(worst.place, worst.channel),
     }
 }

@@ -1,0 +1,153 @@
+//! Light: whether the numbers of an answer are finite, complete, satisfy the equation and add up.
+
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
+
+use super::places;
+use super::{Answer, BAD, Cause, DOUBTFUL, Energy, Level, Reason};
+use crate::scene::{Scene, Side};
+
+/// A patch of less irradiance than this part of the root mean square is dark; its error is relative to that.
+const DARK: f64 = 1e-3;
+
+/// NaN and infinite numbers anywhere are bad; an infinite bound alone is doubtful.
+pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {
+    let scene = answer.tracer.scene();
+    let solution = answer.solution;
+    let each = answer.operator.basis().coefficients();
+    let is_broken = |i: &usize| {
+        [&solution.radiance, &solution.irradiance]
+            .iter()
+            .any(|field| field.row(*i).iter().any(|x| !x.is_finite()))
+    };
+    let broken = (0..answer.operator.len()).filter(is_broken);
+    let mut faces: Vec<usize> = broken.map(|i| answer.patches.place(i / each).face).collect();
+    faces.dedup();
+    let energy = answer.energy;
+    let terms = [&energy.emitted, &energy.absorbed, &energy.escaped, &energy.carriers, &energy.lost];
+    let mut numbers = terms.into_iter().flatten().copied().chain([energy.imbalance]);
+    // Errors relative to no light at all are infinite.
+    let errors = answer.budget.map_or([0.0; 2], |budget| [budget.relative_rms, budget.upper95]);
+    let is_wrong = |error: f64| error.is_nan() || error.is_infinite() && !answer.is_truncated();
+    let report = &solution.report;
+    let bounds = [report.residual, report.bound, report.condition];
+    let not_finite = !faces.is_empty()
+        || numbers.any(|x| !x.is_finite())
+        || errors.into_iter().any(is_wrong)
+        || bounds.iter().any(|bound| bound.is_nan());
+    if not_finite {
+        return vec![Reason::new(Cause::NotFinite, Level::Bad, None, faces, scene)];
+    }
+    match bounds.iter().any(|bound| bound.is_infinite()) {
+        true => vec![Reason::new(Cause::Unbounded, Level::Doubtful, None, Vec::new(), scene)],
+        false => Vec::new(),
+    }
+}
+
+/// All emission of the scene is among the sources: that of patches, entry by entry, and that of faces whose front is no patch.
+pub(super) fn missing_lamps(answer: &Answer) -> Option<Reason> {
+    let Answer { tracer, patches, sources, .. } = *answer;
+    let scene = tracer.scene();
+    let wanted = answer.operator.basis().coefficients_of(&patches.sources());
+    let lack = &wanted - &sources.emitted;
+    let mut missing = places::power(answer, &lack, PI, |i, c| lack[(i, c)] != 0.0);
+    for face in emitters(scene).filter(|&face| patches.patches_of(face, Side::Front).is_empty()) {
+        let [a, b, c] = scene.corners(face);
+        let area = 0.5 * (b - a).cross(c - a).length();
+        for (channel, radiance) in scene.mean_emission(face).iter().enumerate() {
+            missing.add(face, channel, PI * area * radiance);
+        }
+    }
+    let has_lights = scene.lights().next().is_some() || scene.sky().is_some();
+    if has_lights && sources.direct.is_none() {
+        return Some(Reason::new(Cause::MissingLamps, Level::Bad, None, missing.faces(), scene));
+    }
+    if missing.is_empty() {
+        return None;
+    }
+    let level = Level::of_share(missing.share(&answer.energy.emitted), 0.0);
+    Some(missing.reason(answer, Cause::MissingLamps, level))
+}
+
+/// Faces that take part and emit.
+fn emitters(scene: &Scene) -> impl Iterator<Item = usize> {
+    (0..scene.faces().len()).filter(|&face| scene.is_diffuse(face) && scene.material_of(face).emits())
+}
+
+/// What an answer lacks to satisfy L = Lₑ + R H with H = H₀ + πFL.
+pub(super) struct Residual {
+    /// H of the radiance found, computed anew, N × c, W·m⁻².
+    irradiance: DMatrix<f64>,
+    /// r = Lₑ + R H − L, N × c, W·sr⁻¹·m⁻².
+    radiance: DMatrix<f64>,
+    /// π Σ A |r| as a part of the emitted power.
+    pub share: f64,
+}
+
+impl Residual {
+    pub fn of(answer: &Answer) -> Self {
+        let Answer { operator, sources, solution, .. } = *answer;
+        let mut irradiance = operator.irradiance(&solution.radiance);
+        if let Some(direct) = &sources.direct {
+            irradiance += direct;
+        }
+        let radiance = &sources.emitted + operator.reflect(&irradiance) - &solution.radiance;
+        let share = places::power(answer, &radiance, PI, |_, _| true).share(&answer.energy.emitted);
+        Self { irradiance, radiance, share }
+    }
+}
+
+/// The residual is small: its power as a part of all power, and in no row radiance or irradiance is off by 0.1 % or ten tolerances.
+pub(super) fn unsolved(answer: &Answer, residual: &Residual) -> Option<Reason> {
+    let Residual { irradiance, radiance, share } = residual;
+    let mass = answer.operator.mass().sums();
+    let rms = |c: usize| {
+        let squares: f64 = irradiance.column(c).iter().zip(mass).map(|(h, area)| area * h * h).sum();
+        (squares / mass.sum()).sqrt()
+    };
+    let dark: Vec<f64> = (0..irradiance.ncols()).map(|c| DARK * rms(c)).collect();
+    let limit = DOUBTFUL.max(answer.exact());
+    let is_wrong = |i: usize, c: usize| {
+        let off = (irradiance[(i, c)] - answer.solution.irradiance[(i, c)]).abs();
+        off.max(PI * radiance[(i, c)].abs()) > limit * irradiance[(i, c)].abs().max(dark[c])
+    };
+    let wrong = places::power(answer, radiance, PI, is_wrong);
+    if *share < answer.exact() && wrong.is_empty() {
+        return None;
+    }
+    let (cause, level) = match answer.is_truncated() {
+        true => (Cause::Truncation, Level::Truncated),
+        false => (Cause::Unsolved, Level::of_share(*share, 0.0)),
+    };
+    Some(Reason::new(cause, level, Some(*share), wrong.faces(), answer.tracer.scene()))
+}
+
+/// What is emitted comes to all terms together, but for what the residual and open rows of form factors explain.
+pub(super) fn imbalance(answer: &Answer, explained: f64) -> Option<Reason> {
+    let Energy { emitted, absorbed, escaped, carriers, lost, imbalance } = answer.energy;
+    let off = |c: usize| match emitted[c] {
+        0.0 => 0.0,
+        all => ((all - absorbed[c] - escaped[c] - carriers[c] - lost[c]) / all).abs(),
+    };
+    let share = (0..emitted.len()).map(off).fold(*imbalance, f64::max);
+    // Without interreflection shadow rays estimate each term by itself, with their noise.
+    let allowed = if answer.has_rows() { explained + answer.exact() } else { BAD };
+    let level = Level::of_share(share, allowed);
+    (level > Level::Good)
+        .then(|| Reason::new(Cause::EnergyImbalance, level, Some(share), Vec::new(), answer.tracer.scene()))
+}
+
+/// Faces that were found to be doubtful before, with the light that arrives there.
+pub(super) fn listed(answer: &Answer, cause: Cause, faces: &[usize]) -> Option<Reason> {
+    if faces.is_empty() {
+        return None;
+    }
+    let each = answer.operator.basis().coefficients();
+    let is_listed = |i: usize, _| faces.contains(&answer.patches.place(i / each).face);
+    let arriving = places::power(answer, &answer.solution.irradiance, 1.0, is_listed);
+    let share = arriving.share(&answer.energy.emitted);
+    let mut named = arriving.faces();
+    named.extend(faces.iter().filter(|face| !arriving.has(**face)));
+    Some(Reason::new(cause, Level::Doubtful, Some(share), named, answer.tracer.scene()))
+}

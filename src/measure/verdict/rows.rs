@@ -1,0 +1,127 @@
+//! Rows: whether rows of form factors sum to 1 with what leaves, and whether what leaves can.
+
+use std::f64::consts::PI;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::places::Places;
+use super::{Answer, Cause, DOUBTFUL, EXACT, Level, Reason};
+use crate::measure::health::ClosedSurfaces;
+use crate::transport::Exchange;
+
+/// The most solid angles that are summed to find what is inside closed surfaces; patches with the most escaping power come first.
+const MOST_ANGLES: usize = 2_000_000;
+
+/// A row that lacks more than this part of its area has neither exchange nor escape.
+const EMPTY: f64 = 1.0 - 1e-9;
+
+/// What was found out about rows.
+#[derive(Default)]
+pub(super) struct Rows {
+    pub reasons: Vec<Reason>,
+    /// The part of the emitted power that open rows explain the loss, or gain, of.
+    pub open: f64,
+}
+
+/// What a patch lets escape, W per channel, and whether it exchanges nothing.
+struct Escape {
+    patch: usize,
+    power: Vec<f64>,
+    sees_nothing: bool,
+}
+
+/// Judges closure, slack, escape from closed surfaces and patches without rays.
+pub(super) fn judge(answer: &Answer) -> Rows {
+    let Answer { patches, operator, solution, .. } = *answer;
+    let (channels, each) = (operator.channels(), operator.basis().coefficients());
+    let new = || Places::new(channels);
+    let (mut open, mut unclosed, mut slack, mut without_rays) = (new(), new(), new(), new());
+    let nothing = |patch| Escape { patch, power: vec![0.0; channels], sees_nothing: true };
+    let mut escapes: Vec<Escape> = (0..patches.len()).map(nothing).collect();
+    for c in 0..channels {
+        let exchange = operator.exchange_of(c);
+        let (sums, areas, slack_of) = (sums(exchange), exchange.areas(), slack_of(exchange));
+        let usual = areas.dot(&solution.irradiance.column(c)) / areas.sum();
+        for i in 0..operator.len() {
+            let face = patches.place(i / each).face;
+            let sent = PI * patches.unit_of_area() * solution.radiance[(i, c)].abs();
+            let lack = areas[i] - sums[i] - exchange.leaving()[i];
+            open.add(face, c, sent * lack.abs());
+            if lack > EMPTY * areas[i] {
+                without_rays.add(face, c, patches.unit_of_area() * areas[i] * usual);
+            } else if (lack - slack_of[i]).abs() > EXACT * areas[i] {
+                unclosed.add(face, c, sent * (lack - slack_of[i]).abs());
+            }
+            if slack_of[i] > EXACT * areas[i] {
+                slack.add(face, c, sent * slack_of[i]);
+            }
+            let escape = &mut escapes[i / each];
+            escape.power[c] += sent * exchange.escape(i);
+            escape.sees_nothing &= sums[i] == 0.0;
+        }
+    }
+    let mut escaped = new();
+    for Escape { patch, power, sees_nothing } in enclosed(answer, escapes) {
+        let face = patches.place(patch).face;
+        for (c, power) in power.into_iter().enumerate() {
+            match sees_nothing {
+                true => without_rays.add(face, c, power),
+                false => escaped.add(face, c, power),
+            }
+        }
+    }
+    let emitted = &answer.energy.emitted;
+    let judged = |places: &Places, cause: Cause, allowed: f64| {
+        let level =
+            if places.is_empty() { Level::Good } else { Level::of_share(places.share(emitted), allowed) };
+        (level > Level::Good).then(|| places.reason(answer, cause, level))
+    };
+    let reasons = [
+        judged(&unclosed, Cause::Closure, 0.0),
+        judged(&slack, Cause::Slack, DOUBTFUL),
+        judged(&escaped, Cause::Escape, DOUBTFUL),
+        judged(&without_rays, Cause::NoRays, 0.0),
+    ];
+    Rows { reasons: reasons.into_iter().flatten().collect(), open: open.share(emitted) }
+}
+
+/// What rows lack because no balance exists that closes them.
+fn slack_of(exchange: &Exchange) -> DVector<f64> {
+    DVector::zeros(exchange.len())
+}
+
+/// Σ_j S_ij.
+fn sums(exchange: &Exchange) -> DMatrix<f64> {
+    let mut sums = DMatrix::zeros(exchange.len(), 1);
+    exchange.apply(&DMatrix::repeat(exchange.len(), 1, 1.0), &mut sums);
+    sums
+}
+
+/// The patches from which rays escape though they are inside a closed surface.
+fn enclosed(answer: &Answer, escapes: Vec<Escape>) -> Vec<Escape> {
+    let Answer { tracer, patches, operator, .. } = *answer;
+    let each = operator.basis().coefficients();
+    let lets_out = |patch: usize| {
+        (0..operator.channels()).any(|c| {
+            let exchange = operator.exchange_of(c);
+            (each * patch..each * (patch + 1)).any(|i| exchange.escape(i) > EXACT * exchange.areas()[i])
+        })
+    };
+    let mut escapes: Vec<Escape> = escapes.into_iter().filter(|escape| lets_out(escape.patch)).collect();
+    if escapes.is_empty() {
+        return escapes;
+    }
+    let surfaces = ClosedSurfaces::of(tracer);
+    if surfaces.faces() == 0 {
+        return Vec::new();
+    }
+    let total = |escape: &Escape| escape.power.iter().sum::<f64>();
+    escapes.sort_by(|a, b| total(b).total_cmp(&total(a)));
+    escapes.truncate(MOST_ANGLES / surfaces.faces());
+    let is_inside = |escape: &Escape| {
+        let place = patches.place(escape.patch);
+        surfaces.enclose(patches.centre(escape.patch), place.face, place.side)
+    };
+    escapes.into_par_iter().filter(is_inside).collect()
+}
