@@ -5,12 +5,12 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use nalgebra::DMatrix;
-use radiosity::measure::{Energy, ErrorBars, ErrorBudget, ErrorPart};
+use radiosity::measure::{Answer, Energy, ErrorBars, ErrorBudget, ErrorPart, Verdict};
 use radiosity::patches::{FaceRow, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Scene, Side};
 use radiosity::solve::{self, CgOptions, NeumannOptions, Solution};
-use radiosity::trace::Tracer;
+use radiosity::trace::{OverlapKind, Tracer};
 use radiosity::transport::{
     FormFactors, Keep, LightOptions, Sources, TraceOptions, Transport, TransportError,
 };
@@ -90,18 +90,18 @@ type Failure = Box<dyn std::error::Error>;
 fn test(random: &RandomScene, path: &Path, outcome: &mut Outcome) -> Result<(), Failure> {
     let scene = Scene::load(path)?;
     let seed = outcome.seed;
-    let base = Answer::of(&scene, BASE, seed, |k, sources, unit| {
+    let base = Solved::of(&scene, BASE, seed, |k, sources, unit| {
         outcome.broken.extend(energy_and_solvers(k, sources, unit));
     })?;
     outcome.warnings = base.warnings.clone();
-    let fine = Answer::of(&scene, FINE, seed + 1, |_, _, _| {})?;
+    let fine = Solved::of(&scene, FINE, seed + 1, |_, _, _| {})?;
     let (apart, bound) = (fine.distance(&base, |_| true), base.budget.upper95 + fine.budget.upper95);
-    if !(apart <= bound) {
+    if exceeds(apart, bound) {
         outcome.broken.push((Law::Bound, format!("{} apart, bounds {}", percent(apart), percent(bound))));
     }
     if !base.named.is_empty() {
         let apart = fine.distance(&base, |face| !base.named.contains(&face));
-        if !(apart <= bound) {
+        if exceeds(apart, bound) {
             outcome
                 .broken
                 .push((Law::BoundOfUnnamed, format!("{} apart, bounds {}", percent(apart), percent(bound))));
@@ -110,10 +110,10 @@ fn test(random: &RandomScene, path: &Path, outcome: &mut Outcome) -> Result<(), 
     if random.overlap.is_some() {
         let folder = tempfile::tempdir()?;
         let lifted = RandomScene::new(seed, Lift::Lifted).write(folder.path())?;
-        let lifted = Answer::of(&Scene::load(lifted)?, FINE, seed + 1, |_, _, _| {})?;
+        let lifted = Solved::of(&Scene::load(lifted)?, FINE, seed + 1, |_, _, _| {})?;
         let apart = lifted.distance(&fine, |_| true);
         let allowed = AS_IF_LIFTED + 2.0 * fine.noise().hypot(lifted.noise());
-        if !(apart <= allowed) {
+        if exceeds(apart, allowed) {
             let found = format!("{} from the lifted scene, allowed {}", percent(apart), percent(allowed));
             outcome.broken.push((Law::AsIfLifted, found));
         }
@@ -121,12 +121,17 @@ fn test(random: &RandomScene, path: &Path, outcome: &mut Outcome) -> Result<(), 
     Ok(())
 }
 
+/// Whether a number is too large, or none.
+fn exceeds(x: f64, limit: f64) -> bool {
+    x.is_nan() || x > limit
+}
+
 fn percent(x: f64) -> String {
     format!("{:.2} %", 100.0 * x)
 }
 
 /// Irradiance by face, and what is said of its error.
-struct Answer {
+struct Solved {
     faces: Vec<FaceRow>,
     budget: ErrorBudget,
     /// What the user is warned of.
@@ -135,7 +140,7 @@ struct Answer {
     named: BTreeSet<usize>,
 }
 
-impl Answer {
+impl Solved {
     /// Solves a scene directly, and has `look` at the operator, its sources and its unit of area, m².
     fn of(
         scene: &Scene,
@@ -156,11 +161,30 @@ impl Answer {
         let e = sources.right_hand_side(&k);
         let solution = solve::direct(&k, &Default::default())?.solve(&e).under(&sources);
         let bars = ErrorBars::of(&patches, &factors, &sources, &solution, Progress::default())?;
+        let same_front = tracer.overlaps().iter().filter(|overlap| overlap.kind == OverlapKind::SameFront);
+        let overlapping: Vec<usize> =
+            same_front.flat_map(|overlap| overlap.faces.map(|f| f as usize)).collect();
+        let disagreeing = factors.disagreements().iter();
+        let disagreeing: Vec<usize> = disagreeing.flat_map(|pair| pair.sides.map(|(face, _)| face)).collect();
+        let verdict = Verdict::of(&Answer {
+            tracer: &tracer,
+            patches: &patches,
+            operator: &k,
+            sources: &sources,
+            solution: &solution,
+            energy: &Energy::of(&k, &sources, &solution.radiance, patches.unit_of_area()),
+            budget: Some(&bars.budget),
+            tolerance: TOLERANCE,
+            order: 0,
+            overlapping: &overlapping,
+            disagreeing: &disagreeing,
+        });
+        let reasons = verdict.reasons.iter();
         Ok(Self {
             faces: patches.average_by_face(&solution.irradiance),
             budget: bars.budget,
-            warnings: scene.warnings().to_vec(),
-            named: BTreeSet::new(),
+            warnings: reasons.clone().map(ToString::to_string).chain(scene.warnings().to_vec()).collect(),
+            named: reasons.flat_map(|reason| reason.faces.iter().copied()).collect(),
         })
     }
 
@@ -203,17 +227,17 @@ fn energy_and_solvers(k: &Transport, sources: &Sources, unit: f64) -> Vec<(Law, 
     let share = share_lost(k, sources, &direct.radiance);
     let off = Energy::of(k, sources, &direct.radiance, unit).imbalance;
     let allowed = if share >= 1e-3 { 1e-9 } else { 1e-12 / share };
-    if !(off <= allowed) {
+    if exceeds(off, allowed) {
         broken.push((Law::EnergyDirect, format!("{off:.1e} of {allowed:.0e}, {share:.1e} is lost a bounce")));
     }
     let mut compare = |found: &Solution| {
         let name = found.report.name;
         let off = Energy::of(k, sources, &found.radiance, unit).imbalance;
-        if !(off <= 10.0 * TOLERANCE) {
+        if exceeds(off, 10.0 * TOLERANCE) {
             broken.push((Law::EnergyIterative, format!("{name}: {off:.1e}")));
         }
         let apart = farthest(k, &found.irradiance, &direct.irradiance);
-        if !(apart <= 10.0 * TOLERANCE) {
+        if exceeds(apart, 10.0 * TOLERANCE) {
             broken.push((Law::SolversAgree, format!("{name}: {apart:.1e} apart")));
         }
     };
