@@ -328,8 +328,7 @@ impl<'s> Search<'_, 's> {
             budget: Some(&budget),
             tolerance: options.tolerance,
             order: usize::MAX,
-            overlapping: &[],
-            disagreeing: &[],
+            disagreements: factors.disagreements(),
         });
         let noise = budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS));
         let step = AccuracyStep {

@@ -24,10 +24,7 @@ pub(super) fn drop_degenerate(
             flat += 1;
             continue;
         }
-        // Adding zero makes -0.0 and 0.0 the same corner. A face with the same corners and the other winding lies back to back and stays.
-        let mut corners = [a, b, c].map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));
-        let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
-        corners.rotate_left(first);
+        let corners = oriented([a, b, c]);
         let emits = materials[face.material as usize].emits();
         match emits_at.entry(corners) {
             Entry::Vacant(first) => {
@@ -49,6 +46,15 @@ pub(super) fn drop_degenerate(
     if lamps_lost > 0 {
         warnings.push(format!("{} of those emit, the earlier ones do not", count(lamps_lost, "duplicate")));
     }
+}
+
+/// A triangle as a key: the same for the same corners in the same winding. The other winding lies back to back and is another face.
+pub(super) fn oriented(corners: [DVec3; 3]) -> [[u64; 3]; 3] {
+    // Adding zero makes -0.0 and 0.0 the same corner.
+    let mut corners = corners.map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));
+    let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
+    corners.rotate_left(first);
+    corners
 }
 
 /// `1 face`, `2 faces`.

@@ -434,6 +434,11 @@ impl Scene {
         self.faces[face].vertices.map(|v| self.vertices[v as usize])
     }
 
+    /// A face's corners as a key that duplicates share: the same corners in the same winding.
+    pub(crate) fn oriented_corners(&self, face: usize) -> [[u64; 3]; 3] {
+        degenerate::oriented(self.corners(face))
+    }
+
     /// Makes sure that something emits.
     ///
     /// # Errors

@@ -135,10 +135,11 @@ impl Exchange {
     pub fn unbalanced(storage: Storage, escape: DVector<f64>, mass: impl Into<Mass>) -> Self {
         let mass = mass.into();
         assert_eq!(escape.len(), mass.len(), "one escape per coefficient");
-        let closure = Closure { before: 0.0, after: 0.0, iterations: 0 };
+        let closure = Closure { before: 0.0, after: 0.0, slack: 0.0, iterations: 0 };
         let scale = DVector::repeat(mass.len(), 1.0);
-        let as_is =
-            Self { storage, scale, leaving: escape, in_carriers: None, mass, closure, shrinkage: 1.0 };
+        let slack = DVector::zeros(mass.len());
+        let ends = Ends { leaving: escape, in_carriers: None, slack };
+        let as_is = Self { storage, scale, ends, mass, closure, shrinkage: 1.0 };
         let error = as_is.closure_error();
         Self { closure: Closure { before: error, after: error, ..closure }, ..as_is }
     }

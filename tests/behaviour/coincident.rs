@@ -186,12 +186,13 @@ fn of_equal_faces_the_first_is_on_top_whatever_their_order_and_corners() {
     let turned = [rug[1], rug[2], rug[3], rug[0]];
     for materials in [[SHEET, DARK], [DARK, SHEET]] {
         let twice = [walls(), vec![lamp(2.3), (rug, materials[0]), (turned, materials[1])]].concat();
-        let once = [walls(), vec![lamp(2.3), (rug, materials[0])]].concat();
-        let [twice, once] =
-            [twice, once].map(|quads| answer(&scene(&quads, DQuat::IDENTITY, None), 1500, 256));
-        assert_eq!(twice[8][0], None, "covered whole: no rows");
+        let below = (turned.map(|[x, y, z]| [x, y - 1e-4, z]), materials[1]);
+        let apart = [walls(), vec![lamp(2.3), (rug, materials[0]), below]].concat();
+        let [twice, apart] =
+            [twice, apart].map(|quads| answer(&scene(&quads, DQuat::IDENTITY, None), 1500, 256));
+        assert_eq!([twice[7][1], twice[8][0]], [None; 2], "no light between them");
         for quad in 0..8 {
-            let (mine, theirs) = (front(&twice, quad).1, front(&once, quad).1);
+            let (mine, theirs) = (front(&twice, quad).1, front(&apart, quad).1);
             assert!((mine / theirs - 1.0).abs() < 5e-3, "{quad}: {mine} {theirs}");
         }
     }

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use nalgebra::{DMatrix, DVector};
-use radiosity::measure::{Energy, ErrorBars, ErrorPart, Slack, Verdict, operator_health};
+use radiosity::measure::{Energy, ErrorBars, ErrorPart, Grade, Slack, operator_health};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Material, Scene};
@@ -169,7 +169,7 @@ fn check_names_faces_that_cannot_close_and_does_not_ask_for_rays() {
     let (patches, exact) = exact(&scene);
     let findings = operator_health(&damaged(&patches, &exact), &patches, Progress::default()).unwrap();
     let closure = findings.iter().find(|finding| finding.name == "closure").unwrap();
-    assert!(closure.verdict == Verdict::Bad && closure.faces == [0] && closure.value > 0.1, "{closure:?}");
+    assert!(closure.verdict == Grade::Bad && closure.faces == [0] && closure.value > 0.1, "{closure:?}");
     assert!(closure.remedy.as_ref().is_some_and(|remedy| !remedy.contains("--rays")), "{closure:?}");
 }
 

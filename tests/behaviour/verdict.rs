@@ -8,7 +8,7 @@ use radiosity::scene::{Light, Material, Scene, Side};
 use radiosity::solve::{self, Method, NeumannOptions, Solution, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{
-    Exchange, FormFactors, Keep, LightOptions, Sources, Storage, TraceOptions, Transport,
+    Disagreement, Exchange, FormFactors, Keep, LightOptions, Sources, Storage, TraceOptions, Transport,
 };
 
 use crate::scenes::{flipped, lit_quads, quads, room};
@@ -21,8 +21,7 @@ struct Case<'s> {
     sources: Sources,
     tolerance: f64,
     order: usize,
-    overlapping: Vec<usize>,
-    disagreeing: Vec<usize>,
+    disagreements: Vec<Disagreement>,
     budget: Option<ErrorBudget>,
 }
 
@@ -42,8 +41,7 @@ impl<'s> Case<'s> {
             sources,
             tolerance: 1e-6,
             order: 1000,
-            overlapping: Vec::new(),
-            disagreeing: Vec::new(),
+            disagreements: Vec::new(),
             budget: None,
         }
     }
@@ -79,8 +77,7 @@ impl<'s> Case<'s> {
             budget: self.budget.as_ref(),
             tolerance: self.tolerance,
             order: self.order,
-            overlapping: &self.overlapping,
-            disagreeing: &self.disagreeing,
+            disagreements: &self.disagreements,
         })
     }
 
@@ -403,32 +400,50 @@ fn a_patch_without_rays_is_named() {
 }
 
 #[test]
-fn faces_that_overlap_or_whose_directions_disagree_are_doubtful() {
+fn sides_whose_directions_disagree_are_doubtful() {
     let scene = lit_room();
     let mut case = Case::new(&scene, 200, 64, Basis::Constant);
     let solution = case.solve(Method::Direct);
-    case.overlapping = vec![4, 5];
-    let reason = only(&case.judge(&solution), Cause::Overlap, Level::Doubtful);
-    assert!(reason.faces.len() == 2 && reason.objects == ["quad 2"]);
-    assert!(reason.power_share.is_some_and(|share| (0.01..1.0).contains(&share)));
-    case.overlapping.clear();
-    case.disagreeing = vec![7];
+    case.disagreements = vec![Disagreement { sides: [(7, Side::Front), (2, Side::Front)], z: 12.0 }];
     let reason = only(&case.judge(&solution), Cause::Directions, Level::Doubtful);
-    assert_eq!(reason.faces, [7]);
+    assert!(reason.faces.len() == 2 && reason.faces.contains(&7) && reason.faces.contains(&2));
+    assert!(reason.power_share.is_some_and(|share| (0.01..1.0).contains(&share)));
+}
+
+/// The lit room with one more quad.
+fn lit_room_with(quad: [[f64; 3]; 4]) -> Scene {
+    let walls = room([0.0; 3], [2.0, 3.0, 2.5]).map(|wall| (wall, 0));
+    quads(&[&walls[..], &[(LAMP, 1), (quad, 0)]].concat(), materials())
+}
+
+#[test]
+fn a_rug_is_noted_and_what_hides_a_lamp_is_doubtful() {
+    let cover = LAMP.map(|[x, y, z]| [0.9 + 0.5 * (x - 0.8), y, z]);
+    let scene = lit_room_with(cover);
+    let case = Case::new(&scene, 200, 64, Basis::Constant);
+    let verdict = case.judge(&case.solve(Method::Direct));
+    let overlap = verdict.reasons.iter().find(|reason| reason.cause == Cause::Overlap);
+    assert_eq!(overlap.map(|reason| reason.level), Some(Level::Doubtful), "{verdict:?}");
+    let rug = [[0.5, 0.5, 0.0], [1.5, 0.5, 0.0], [1.5, 1.5, 0.0], [0.5, 1.5, 0.0]];
+    let scene = lit_room_with(rug);
+    let case = Case::new(&scene, 200, 64, Basis::Constant);
+    let verdict = case.judge(&case.solve(Method::Direct));
+    let told: Vec<_> = verdict.reasons.iter().map(|reason| (reason.cause, reason.level)).collect();
+    assert_eq!((verdict.level, told), (Level::Good, vec![(Cause::Overlap, Level::Good)]));
 }
 
 #[test]
 fn a_reason_is_told_in_one_line() {
     let scene = lit_room();
     let mut case = Case::new(&scene, 200, 64, Basis::Constant);
-    case.overlapping = (0..8).collect();
+    let side = |face: usize| (face, Side::Front);
+    case.disagreements =
+        (0..4).map(|k| Disagreement { sides: [side(2 * k), side(2 * k + 1)], z: 9.0 }).collect();
     let verdict = case.judge(&case.solve(Method::Direct));
     let line = verdict.reasons[0].to_string();
     let share = verdict.reasons[0].power_share.unwrap();
-    assert!(
-        line.starts_with(&format!("overlapping faces: {:.0} % of the power, at faces ", 100.0 * share)),
-        "{line}"
-    );
-    assert!(line.contains(" and 5 more of quad ") && line.contains(" and 1 more; remove one"), "{line}");
+    let start = format!("directions that disagree: {:.0} % of the power, at faces ", 100.0 * share);
+    assert!(line.starts_with(&start), "{line}");
+    assert!(line.contains(" and 5 more of quad ") && line.contains(" and 1 more; separate"), "{line}");
     assert!(!line.contains('\n'));
 }

@@ -123,8 +123,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         budget: None,
         tolerance,
         order: args.solver.order,
-        overlapping: &[],
-        disagreeing: &[],
+        disagreements: factors.disagreements(),
     });
 
     let budget = args.reference.budget();

@@ -54,8 +54,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         budget: None,
         tolerance: args.solver.tolerance,
         order: args.solver.order,
-        overlapping: &[],
-        disagreeing: &[],
+        disagreements: factors.disagreements(),
     });
     let camera = args::camera(&tracer, &patches);
     let look = RenderOptions { carried: sources.carried.as_ref().map(|light| &light.irradiance), ..look };

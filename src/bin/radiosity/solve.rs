@@ -1,6 +1,6 @@
 //! `radiosity solve`: the main job.
 
-use radiosity::measure::{self, Answer, Cause, ErrorBars, Slack, Undershoot, Verdict};
+use radiosity::measure::{Answer, ErrorBars, Undershoot, Verdict};
 use radiosity::output::{
     self, EnergySummary, Photometry, Quantity, RenderOptions, SeriesSummary, Shading, Summary, Surfaces,
 };
@@ -107,8 +107,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         budget: Some(&bars.budget),
         tolerance,
         order,
-        overlapping: &[],
-        disagreeing: &[],
+        disagreements: factors.disagreements(),
     });
 
     let mut received = Vec::new();
@@ -175,11 +174,6 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     }
     args.picture.write(&picture, &mut outputs)?;
 
-    // The verdict names what is missing where it is a notable part of all power.
-    let slack = Slack::of(&patches, &k, &sources, &solution.radiance).warning(&scene);
-    if verdict.reasons.iter().all(|reason| reason.cause != Cause::Slack) {
-        slack.iter().for_each(|warning| terminal.warn(warning));
-    }
     let summary = Summary {
         scene: scene.name().to_owned(),
         version: env!("CARGO_PKG_VERSION"),
@@ -200,7 +194,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         undershoot: Undershoot::of(k.mass(), &solution.radiance),
         error: bars.budget.clone(),
         steps,
-        warnings: scene.warnings().iter().cloned().chain(slack).collect(),
+        warnings: scene.warnings().to_vec(),
         verdict,
     };
     outputs.file("solution.json", |file| output::write_summary(file, &summary))?;

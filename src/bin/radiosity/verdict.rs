@@ -26,14 +26,17 @@ impl StrictArgs {
 /// Warns of everything that is wrong with an answer, in a line each.
 pub fn warn(verdict: &Verdict, terminal: &Terminal) {
     for reason in &verdict.reasons {
-        terminal.warn(format_args!("{} answer: {reason}", reason.level.name()));
+        match reason.level {
+            Level::Good => terminal.warn(format_args!("{reason}")),
+            level => terminal.warn(format_args!("{} answer: {reason}", level.name())),
+        }
     }
 }
 
 /// The level, and the causes where it is not good: `doubtful: slack, truncation`.
 pub fn phrase(verdict: &Verdict) -> String {
     match verdict.level {
-        Level::Good => "good".into(),
+        level @ Level::Good => level.name().into(),
         level => format!("{}: {}", level.name(), verdict.causes()),
     }
 }

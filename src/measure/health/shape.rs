@@ -1,6 +1,6 @@
 //! Shape: faces that are no triangles, twice there, or all but flat; and how large the whole is.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 
 use super::{Finding, Grade};
 use crate::scene::{FaceState, Scene};
@@ -52,7 +52,7 @@ pub(super) fn zero_area(scene: &Scene) -> Finding {
     )
 }
 
-/// How many faces were dropped because an earlier one has the same corners; bad if light is lost with them.
+/// How many faces were dropped because an earlier one has the same corners in the same winding; bad if light is lost with them.
 pub(super) fn duplicates(scene: &Scene) -> Finding {
     let dropped: Vec<usize> = with_state(scene, FaceState::Duplicate).collect();
     let finding = Finding::good("duplicate faces", dropped.len() as f64, Some("faces"));
@@ -65,38 +65,21 @@ pub(super) fn duplicates(scene: &Scene) -> Finding {
                       the two sides of something thick";
         return finding.but(Grade::Note, dropped, remedy);
     }
-    let remedy = "some of them emit, but the face that is used in their place does not, or faces the other way, so that their \
-                  light is lost; delete the faces under the lamps, or move the lamps off them";
+    let remedy = "some of them emit, but the face that is used in their place does not, so that their light is \
+                  lost; delete the faces under the lamps, or move the lamps off them";
     finding.but(Grade::Bad, dark, remedy)
 }
 
-/// Dropped faces that emit where the face that acts in their place does not, or turns its front elsewhere.
+/// Dropped faces that emit where the face that acts in their place does not.
 fn lost_lamps(scene: &Scene, dropped: &[usize]) -> Vec<usize> {
-    let key = |face: usize| {
-        let mut corners = scene.corners(face).map(|p| p.to_array().map(|x| (x + 0.0).to_bits()));
-        corners.sort_unstable();
-        corners
-    };
-    let lost = dropped.iter().copied().filter(|&face| scene.material_of(face).emits());
-    let mut lost: HashMap<_, Vec<usize>> = lost.fold(HashMap::new(), |mut all, face| {
-        all.entry(key(face)).or_insert_with(Vec::new).push(face);
-        all
-    });
-    if lost.is_empty() {
-        return Vec::new();
+    let emits = |face: &usize| scene.material_of(*face).emits();
+    let mut lost: Vec<usize> = dropped.iter().copied().filter(emits).collect();
+    if !lost.is_empty() {
+        let shining: HashSet<_> =
+            kept(scene).filter(emits).map(|face| scene.oriented_corners(face)).collect();
+        lost.retain(|&face| !shining.contains(&scene.oriented_corners(face)));
     }
-    let normal = |face: usize| {
-        let [a, b, c] = scene.corners(face);
-        (b - a).cross(c - a)
-    };
-    for acting in kept(scene).filter(|&face| scene.material_of(face).emits()) {
-        if let Some(faces) = lost.get_mut(&key(acting)) {
-            faces.retain(|&face| normal(face).dot(normal(acting)) < 0.0);
-        }
-    }
-    let mut dark: Vec<usize> = lost.into_values().flatten().collect();
-    dark.sort_unstable();
-    dark
+    lost
 }
 
 /// The greatest aspect, longest edge over height, of any face.

@@ -110,8 +110,7 @@ pub(super) fn measure_cell(
                     budget: None,
                     tolerance: solve_options.tolerance,
                     order: solve_options.order,
-                    overlapping: &[],
-                    disagreeing: &[],
+                    disagreements: factors.disagreements(),
                 });
             }
             way.bytes = factors.exchange().bytes();

@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 use super::places;
 use super::{Answer, BAD, Cause, DOUBTFUL, Energy, Level, Reason};
 use crate::scene::{Scene, Side};
+use crate::trace::OverlapKind;
 
 /// A patch of less irradiance than this part of the root mean square is dark; its error is relative to that.
 const DARK: f64 = 1e-3;
@@ -25,7 +26,8 @@ pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {
     let mut faces: Vec<usize> = broken.map(|i| answer.patches.place(i / each).face).collect();
     faces.dedup();
     let energy = answer.energy;
-    let terms = [&energy.emitted, &energy.absorbed, &energy.escaped, &energy.carriers, &energy.lost];
+    let Energy { emitted, absorbed, escaped, carriers, lost, slack, .. } = energy;
+    let terms = [emitted, absorbed, escaped, carriers, lost, slack];
     let mut numbers = terms.into_iter().flatten().copied().chain([energy.imbalance]);
     // Errors relative to no light at all are infinite.
     let errors = answer.budget.map_or([0.0; 2], |budget| [budget.relative_rms, budget.upper95]);
@@ -125,10 +127,10 @@ pub(super) fn unsolved(answer: &Answer, residual: &Residual) -> Option<Reason> {
 
 /// What is emitted comes to all terms together, but for what the residual and open rows of form factors explain.
 pub(super) fn imbalance(answer: &Answer, explained: f64) -> Option<Reason> {
-    let Energy { emitted, absorbed, escaped, carriers, lost, imbalance } = answer.energy;
+    let Energy { emitted, absorbed, escaped, carriers, lost, slack, imbalance } = answer.energy;
     let off = |c: usize| match emitted[c] {
         0.0 => 0.0,
-        all => ((all - absorbed[c] - escaped[c] - carriers[c] - lost[c]) / all).abs(),
+        all => ((all - absorbed[c] - escaped[c] - carriers[c] - lost[c] - slack[c]) / all).abs(),
     };
     let share = (0..emitted.len()).map(off).fold(*imbalance, f64::max);
     // Without interreflection shadow rays estimate each term by itself, with their noise.
@@ -138,16 +140,38 @@ pub(super) fn imbalance(answer: &Answer, explained: f64) -> Option<Reason> {
         .then(|| Reason::new(Cause::EnergyImbalance, level, Some(share), Vec::new(), answer.tracer.scene()))
 }
 
-/// Faces that were found to be doubtful before, with the light that arrives there.
-pub(super) fn listed(answer: &Answer, cause: Cause, faces: &[usize]) -> Option<Reason> {
+/// Faces that lie in the plane of others with the same front. Their order is settled, so that this is worth a note; where a lamp lies
+/// below, its light is missing.
+pub(super) fn overlap(answer: &Answer) -> Option<Reason> {
+    let scene = answer.tracer.scene();
+    let same_front = answer.tracer.overlaps().iter().filter(|overlap| overlap.kind == OverlapKind::SameFront);
+    let mut covered: Vec<usize> = same_front.map(|overlap| overlap.faces[1] as usize).collect();
+    covered.sort_unstable();
+    covered.dedup();
+    let hides_light = covered.iter().any(|&face| scene.material_of(face).emits());
+    let level = if hides_light { Level::Doubtful } else { Level::Good };
+    listed(answer, Cause::Overlap, level, &covered)
+}
+
+/// Pairs of face sides whose two directions found different exchange areas.
+pub(super) fn directions(answer: &Answer) -> Option<Reason> {
+    let sides = answer.disagreements.iter().flat_map(|pair| pair.sides);
+    let mut faces: Vec<usize> = sides.map(|(face, _)| face).collect();
+    faces.sort_unstable();
+    faces.dedup();
+    listed(answer, Cause::Directions, Level::Doubtful, &faces)
+}
+
+/// Faces that are known from before, with the light that arrives there.
+fn listed(answer: &Answer, cause: Cause, level: Level, faces: &[usize]) -> Option<Reason> {
     if faces.is_empty() {
         return None;
     }
     let each = answer.operator.basis().coefficients();
-    let is_listed = |i: usize, _| faces.contains(&answer.patches.place(i / each).face);
+    let is_listed = |i: usize, _| faces.binary_search(&answer.patches.place(i / each).face).is_ok();
     let arriving = places::power(answer, &answer.solution.irradiance, 1.0, is_listed);
     let share = arriving.share(&answer.energy.emitted);
     let mut named = arriving.faces();
     named.extend(faces.iter().filter(|face| !arriving.has(**face)));
-    Some(Reason::new(cause, Level::Doubtful, Some(share), named, answer.tracer.scene()))
+    Some(Reason::new(cause, level, Some(share), named, answer.tracer.scene()))
 }

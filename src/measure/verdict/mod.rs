@@ -22,7 +22,7 @@ use crate::patches::Patches;
 use crate::scene::{Feature, Scene};
 use crate::solve::{Report, Solution};
 use crate::trace::Tracer;
-use crate::transport::{Sources, Transport};
+use crate::transport::{Disagreement, Sources, Transport};
 
 /// The share of the power from which on an answer is doubtful, and bad.
 const DOUBTFUL: f64 = 1e-3;
@@ -140,7 +140,9 @@ impl Cause {
             Self::NoRays => {
                 "remove slivers and doubled faces there (`radiosity check`), or trace more --rays"
             }
-            Self::Overlap => "remove one of the two faces, or move it out of the other's plane",
+            Self::Overlap => {
+                "the smaller coplanar surface is on top, of equal ones the first; lift one off the other if another order is meant"
+            }
             Self::Directions => "separate faces there that touch or overlap (`radiosity check`)",
         }
     }
@@ -218,10 +220,9 @@ pub struct Answer<'a> {
     pub tolerance: f64,
     /// The highest order of the series.
     pub order: usize,
-    /// Faces that lie in the plane of others with the same front.
-    pub overlapping: &'a [usize],
-    /// Faces between which the two directions disagree.
-    pub disagreeing: &'a [usize],
+    /// Face sides between which the two directions disagree; see
+    /// [`FormFactors::disagreements`](crate::transport::FormFactors::disagreements).
+    pub disagreements: &'a [Disagreement],
 }
 
 impl Answer<'_> {
@@ -266,8 +267,8 @@ impl Verdict {
             reasons.extend(light::unsolved(answer, &residual));
             reasons.extend(light::imbalance(answer, residual.share + rows.open));
             reasons.extend(rows.reasons);
-            reasons.extend(light::listed(answer, Cause::Overlap, answer.overlapping));
-            reasons.extend(light::listed(answer, Cause::Directions, answer.disagreeing));
+            reasons.extend(light::overlap(answer));
+            reasons.extend(light::directions(answer));
         }
         reasons.sort_by_key(|reason| std::cmp::Reverse(reason.level));
         let level = reasons.first().map_or(Level::Good, |reason| reason.level);

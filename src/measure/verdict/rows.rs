@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::places::Places;
@@ -41,13 +41,13 @@ pub(super) fn judge(answer: &Answer) -> Rows {
     let mut escapes: Vec<Escape> = (0..patches.len()).map(nothing).collect();
     for c in 0..channels {
         let exchange = operator.exchange_of(c);
-        let (sums, areas, slack_of) = (sums(exchange), exchange.areas(), slack_of(exchange));
+        let (sums, areas, slack_of) = (sums(exchange), exchange.areas(), exchange.slack());
         let usual = areas.dot(&solution.irradiance.column(c)) / areas.sum();
         for i in 0..operator.len() {
             let face = patches.place(i / each).face;
             let sent = PI * patches.unit_of_area() * solution.radiance[(i, c)].abs();
             let lack = areas[i] - sums[i] - exchange.leaving()[i];
-            open.add(face, c, sent * lack.abs());
+            open.add(face, c, sent * (lack - slack_of[i]).abs());
             if lack > EMPTY * areas[i] {
                 without_rays.add(face, c, patches.unit_of_area() * areas[i] * usual);
             } else if (lack - slack_of[i]).abs() > EXACT * areas[i] {
@@ -84,11 +84,6 @@ pub(super) fn judge(answer: &Answer) -> Rows {
         judged(&without_rays, Cause::NoRays, 0.0),
     ];
     Rows { reasons: reasons.into_iter().flatten().collect(), open: open.share(emitted) }
-}
-
-/// What rows lack because no balance exists that closes them.
-fn slack_of(exchange: &Exchange) -> DVector<f64> {
-    DVector::zeros(exchange.len())
 }
 
 /// Σ_j S_ij.
