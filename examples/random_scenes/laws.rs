@@ -10,7 +10,7 @@ use radiosity::patches::{FaceRow, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Scene, Side};
 use radiosity::solve::{self, CgOptions, NeumannOptions, Solution};
-use radiosity::trace::{OverlapKind, Tracer};
+use radiosity::trace::Tracer;
 use radiosity::transport::{
     FormFactors, Keep, LightOptions, Sources, TraceOptions, Transport, TransportError,
 };
@@ -161,11 +161,6 @@ impl Solved {
         let e = sources.right_hand_side(&k);
         let solution = solve::direct(&k, &Default::default())?.solve(&e).under(&sources);
         let bars = ErrorBars::of(&patches, &factors, &sources, &solution, Progress::default())?;
-        let same_front = tracer.overlaps().iter().filter(|overlap| overlap.kind == OverlapKind::SameFront);
-        let overlapping: Vec<usize> =
-            same_front.flat_map(|overlap| overlap.faces.map(|f| f as usize)).collect();
-        let disagreeing = factors.disagreements().iter();
-        let disagreeing: Vec<usize> = disagreeing.flat_map(|pair| pair.sides.map(|(face, _)| face)).collect();
         let verdict = Verdict::of(&Answer {
             tracer: &tracer,
             patches: &patches,
@@ -176,8 +171,7 @@ impl Solved {
             budget: Some(&bars.budget),
             tolerance: TOLERANCE,
             order: 0,
-            overlapping: &overlapping,
-            disagreeing: &disagreeing,
+            disagreements: factors.disagreements(),
         });
         let reasons = verdict.reasons.iter();
         Ok(Self {
