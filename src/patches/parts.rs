@@ -128,7 +128,7 @@ impl Parts {
             let longest = (0..3).map(|k| corners[k].distance(corners[(k + 1) % 3])).fold(0.0, f64::max);
             let outlines = tracer.outlines_of_covers(face);
             let may_be_pierced = longest > PIERCED * edge;
-            if !(may_be_pierced || !outlines.is_empty()) || !tracer.scene().is_diffuse(face) {
+            if (!may_be_pierced && outlines.is_empty()) || !tracer.scene().is_diffuse(face) {
                 return None;
             }
             let flat = Flat::new(corners, tracer.normal(face, Side::Front));
