@@ -49,6 +49,19 @@ impl<'t> Contacts<'t> {
         Self { tracer, tree, faces }
     }
 
+    /// The lines along which other faces pass through a face, the longest first: one space ends there and another begins.
+    pub fn crossings_on(&self, face: usize, flat: &Flat) -> Vec<[DVec2; 2]> {
+        let others = self.faces_in(box_around(self.tracer.corners(face), PAD)).into_iter();
+        let crossing = |other: usize| {
+            let ends = crossing(&self.tracer.corners(other).map(|p| flat.place(p)))?;
+            flat.clip(ends)
+        };
+        let mut lines: Vec<_> = others.filter(|&other| other != face).filter_map(crossing).collect();
+        let length = |[p, q]: &[DVec2; 2]| p.distance_squared(*q);
+        lines.sort_by(|a, b| length(b).total_cmp(&length(a)));
+        lines
+    }
+
     /// The lines longer than `shortest` at which other faces touch a face, or end at most `near` (normalised) before it.
     pub fn lines_on(&self, face: usize, flat: &Flat, near: f64, shortest: f64) -> Vec<Line> {
         let mut lines = Vec::new();
@@ -61,9 +74,6 @@ impl<'t> Contacts<'t> {
                 continue;
             }
             let at = self.tracer.corners(other).map(|p| flat.place(p));
-            if let Some(ends) = crossing(&at) {
-                push(ends, true, &|| true);
-            }
             for k in 0..3 {
                 let ends = [at[k], at[(k + 1) % 3]];
                 let height = ends[0].z.abs().max(ends[1].z.abs());
@@ -228,9 +238,11 @@ mod tests {
         let scene = Scene::new(parts).unwrap();
         let tracer = Tracer::new(&scene);
         let (contacts, scale) = (Contacts::new(&tracer), tracer.frame().scale());
-        let lines = [0, 1].map(|face| {
+        let lines: [Vec<Line>; 2] = [0, 1].map(|face| {
             let flat = Flat::new(tracer.corners(face), tracer.normal(face, Side::Front));
-            contacts.lines_on(face, &flat, near / scale, 0.001)
+            let crossings = contacts.crossings_on(face, &flat).into_iter();
+            let crossings = crossings.map(|ends| Line { ends, touches: true });
+            contacts.lines_on(face, &flat, near / scale, 0.001).into_iter().chain(crossings).collect()
         });
         let length = |line: &Line| scale * line.ends[0].distance(line.ends[1]);
         (lines.iter().flatten().count(), lines.iter().flatten().map(length).sum())

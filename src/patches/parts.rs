@@ -4,7 +4,9 @@
 //! is left is triangulated with these lines as edges (constrained Delaunay triangulation, by `spade`). Where that comes to nothing a
 //! face stays whole.
 //!
-//! The outlines of what covers a face in its own plane part it exactly, however small it is: a patch is covered or it is not.
+//! The outlines of what covers a face in its own plane part it exactly, however small it is: a patch is covered or it is not. So do the
+//! lines along which other faces pass through it: a patch lies on one side of a wall or on the other, or light would leak through, and the two
+//! sides of a thin wall are two lines.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -27,7 +29,11 @@ const WELD: f64 = 0.05;
 /// The same for the outlines of what covers a face, as a share of its longest side: rounding alone.
 const EXACT_WELD: f64 = 1e-9;
 
-/// Lines on one face, at most.
+/// Faces whose longest side is no more than this share of the patches' legs stay whole where others pass through them: what leaks by way of them is
+/// little, and in a mesh of many small faces parts would be more than all patches that are asked for.
+const PIERCED: f64 = 1.0 / 16.0;
+
+/// Lines on one face, at most; and once more as many along which others pass through it.
 const MOST_LINES: usize = 512;
 
 /// Edges of outlines on one face, at most; beyond that the centre of a patch decides whether it is covered.
@@ -58,8 +64,8 @@ struct Parted {
     face: usize,
     /// Its longest side, normalised.
     longest: f64,
-    /// Whether another face covers some of it.
-    is_covered: bool,
+    /// Whether it is parted however small it is, for another face covers some of it or passes through it.
+    is_always: bool,
     parts: Vec<Part>,
 }
 
@@ -74,11 +80,11 @@ impl Parts {
     }
 
     /// The parts of a face for patches of legs up to `edge`; none if it stays whole, as every face does that is no larger than a
-    /// patch and that no other covers.
+    /// patch and that no other covers or passes through.
     pub fn of(&self, face: usize, edge: f64) -> Option<&[Part]> {
         let place = self.0.binary_search_by_key(&face, |parted| parted.face).ok()?;
-        let Parted { longest, is_covered, parts, .. } = &self.0[place];
-        (*is_covered || *longest > edge).then_some(parts.as_slice())
+        let Parted { longest, is_always, parts, .. } = &self.0[place];
+        (*is_always || *longest > edge).then_some(parts.as_slice())
     }
 
     /// Into how many cells a face with these corners is cut for patches of legs up to `edge`.
@@ -115,29 +121,35 @@ impl<'t> Parting<'t> {
 }
 
 impl Parts {
-    /// Parts every diffuse face that is longer than `edge` or covered by another.
+    /// Parts every diffuse face that is longer than `edge`, is covered by another, or that another passes through.
     fn find(tracer: &Tracer, contacts: &Contacts, edge: f64) -> Self {
         let part = |face: usize| {
             let corners = tracer.corners(face);
             let longest = (0..3).map(|k| corners[k].distance(corners[(k + 1) % 3])).fold(0.0, f64::max);
             let outlines = tracer.outlines_of_covers(face);
-            if (longest <= edge && outlines.is_empty()) || !tracer.scene().is_diffuse(face) {
+            let may_be_pierced = longest > PIERCED * edge;
+            if (!may_be_pierced && outlines.is_empty()) || !tracer.scene().is_diffuse(face) {
                 return None;
             }
             let flat = Flat::new(corners, tracer.normal(face, Side::Front));
+            let mut crossings = if may_be_pierced { contacts.crossings_on(face, &flat) } else { Vec::new() };
+            crossings.truncate(MOST_LINES);
             let lines = match longest > edge {
                 true => contacts.lines_on(face, &flat, NEAR * edge, WELD * edge),
                 false => Vec::new(),
             };
             let mut welded = Welded::new(&flat.corners, EXACT_WELD * longest);
             welded.add_outlines(outlines.iter().filter_map(|&ends| flat.line(ends)));
+            let outlined = welded.drawn().len();
+            crossings.into_iter().for_each(|ends| welded.add(ends));
+            let is_always = !outlines.is_empty() || welded.drawn().len() > outlined;
             welded.weld = WELD * edge;
             welded.add_lines(lines);
             let parts = triangulate(&flat.corners, welded.drawn())?.into_iter().map(|on_face| {
                 let [a, b, c] = *corners;
                 Part { on_face, corners: on_face.map(|w| a + (b - a) * w.x + (c - a) * w.y) }
             });
-            Some(Parted { face, longest, is_covered: !outlines.is_empty(), parts: parts.collect() })
+            Some(Parted { face, longest, is_always, parts: parts.collect() })
         };
         Self((0..tracer.scene().faces().len()).into_par_iter().filter_map(part).collect())
     }
@@ -303,7 +315,8 @@ mod tests {
         let unit = [DVec2::ZERO, DVec2::X, DVec2::Y];
         for (face, seed) in faces().into_iter().flat_map(|face| (0..40).map(move |seed| (face, seed))) {
             let lines = scribbles(face, seed, [1, 3, 10, 50][seed as usize % 4]);
-            let mut welded = Welded::new(&face, 0.003);
+            // As lines of contacts are welded, and as those along which others pass through a face.
+            let mut welded = Welded::new(&face, [0.003, 1e-9][seed as usize / 4 % 2]);
             welded.add_lines(lines);
             let Some(triangles) = triangulate(&face, welded.drawn()) else {
                 assert!(welded.drawn().is_empty(), "{face:?} {seed}");

@@ -1,10 +1,12 @@
 //! Where surfaces touch: no patch lies on both sides of the line, nothing leaks, and patches stay as many as asked for.
 
+use glam::{DMat3, DVec3};
 use radiosity::patches::{PatchSize, Patches, Tessellation};
 use radiosity::scene::{Material, Scene, Side};
 use radiosity::trace::Tracer;
+use radiosity::transport::{FormFactors, TraceOptions};
 
-use crate::scenes::{quads, room};
+use crate::scenes::{flipped, quads, room};
 
 type Quad = [[f64; 3]; 4];
 
@@ -94,6 +96,51 @@ fn patches_stay_as_many_as_asked_for_where_surfaces_touch() {
         for count in [2000, 8000] {
             let share = cut(&tracer, count).len() as f64 / count as f64;
             assert!((share - 1.0).abs() < 0.2, "{name}: {share} of {count}");
+        }
+    }
+}
+
+/// A box turned by three angles around its centre, its sides fronting outward.
+fn turned_box(centre: DVec3, half: DVec3, angles: [f64; 3]) -> Vec<Quad> {
+    let [x, y, z] = angles;
+    let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);
+    let at = |p: [f64; 3]| (centre + turn * DVec3::from(p)).to_array();
+    room((-half).to_array(), half.to_array()).map(|quad| flipped(quad.map(at))).to_vec()
+}
+
+#[test]
+fn no_light_gets_into_a_sealed_box_that_boards_pierce() {
+    // A box of 0.5 m in a room of 4 m, of bare sheets or with walls of 1 cm, and four boards of 1 cm through its walls. At 300 patches
+    // every face of a board is smaller than a patch.
+    let lamp = ([[1.5, 2.9, 1.5], [2.5, 2.9, 1.5], [2.5, 2.9, 2.5], [1.5, 2.9, 2.5]], 1);
+    let (centre, half) = (DVec3::new(2.0, 1.5, 2.0), DVec3::splat(0.25));
+    let boards =
+        [(0.25, 0.0, 0.1), (-0.25, 0.0, -0.07), (0.0, 0.25, 0.05), (0.0, -0.25, -0.1)].into_iter().zip(0..);
+    let boards = boards.flat_map(|((x, z, y), k)| {
+        let along = if x == 0.0 { 1.5 } else { 0.0 };
+        let angles = [0.3 + 0.1 * f64::from(k), along + 0.2, 0.15];
+        turned_box(centre + DVec3::new(x, y, z), DVec3::new(0.17, 0.005, 0.06), angles)
+    });
+    let boards: Vec<(Quad, u32)> = boards.map(|quad| (quad, 0)).collect();
+    for thick in [0.0, 0.01] {
+        let mut all: Vec<(Quad, u32)> = room([0.0; 3], [4.0, 3.0, 4.0]).map(|quad| (quad, 0)).to_vec();
+        all.push(lamp);
+        let inside = half - thick;
+        all.extend(turned_box(centre, half, [0.0; 3]).into_iter().map(|quad| (quad, 0)));
+        if thick > 0.0 {
+            all.extend(turned_box(centre, inside, [0.0; 3]).into_iter().map(|quad| (flipped(quad), 0)));
+        }
+        all.extend(&boards);
+        let scene =
+            quads(&all, vec![Material::diffuse("grey", &[0.5]), Material::lamp("lamp", &[0.0], &[10.0])]);
+        let tracer = Tracer::new(&scene);
+        for count in [300, 1000, 3000] {
+            let mut patches = cut(&tracer, count);
+            let options = TraceOptions { rays: Some(64), ..Default::default() };
+            FormFactors::trace(&tracer, &mut patches, &options).unwrap();
+            let is_inside = |&i: &usize| (patches.centre(i) - centre).abs().cmplt(inside - 1e-9).all();
+            let lit = (0..patches.len()).filter(is_inside).count();
+            assert_eq!(lit, 0, "walls of {thick} m, {count} patches: so many are lit inside");
         }
     }
 }

@@ -27,6 +27,7 @@ mod path_tracer; // closed forms and another renderer, judged by standard errors
 mod pictures; // what cameras see: ways of shading agree, nothing lit is black
 mod plan; // what is foretold of effects, patches, bytes, against what comes of it
 mod plastic; // a diffuse base under a coat: furnaces, closed forms, light paths, pictures, files
+mod random_scenes; // boxes that intersect, touch and coincide under tiny and turned lamps: energy, solvers, error bounds
 mod receivers; // light at points that are no patches, and what is reported in lux
 mod saved_factors; // what may change around saved form factors, and what may not
 mod sheets; // blinds and lampshades: closed forms, energy, every solver, light paths, bad input

@@ -66,6 +66,14 @@ impl Half {
         let variance = ((squares - sum * mean) / (n - 1.0).max(1.0)).max(0.0);
         (mean, variance)
     }
+
+    /// (Σx)²/Σx² of a patch's batch means x from all bounces, the largest over channels: as many batches would have to bring light, and
+    /// all alike, for the same relative noise.
+    fn effective_batches(&self, patch: usize, total: usize, channels: usize) -> f64 {
+        let first = patch * (total + channels) + total;
+        let of = |&[sum, squares]: &[f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
+        self.sums[first..first + channels].iter().map(of).fold(0.0, f64::max)
+    }
 }
 
 impl PathTraced {
@@ -141,8 +149,15 @@ impl PathTraced {
 
     /// Degrees of freedom of a patch's standard errors: half of what normal batch means would have, for these are skewed, and chance
     /// makes a small standard error of a few of them more easily.
+    ///
+    /// Without photons only as many batches count as bring light in effect, (Σx)²/Σx² of their means x (Kish 1965): where one path in
+    /// thousands finds the light of a patch, what was found by few tells neither its mean nor its standard error.
     pub fn degrees_of_freedom(&self, patch: usize) -> f64 {
-        0.5 * self.halves.iter().map(|half| f64::from(half.batches[patch].saturating_sub(1))).sum::<f64>()
+        let of = |half: &Half| match self.photons {
+            Some(_) => f64::from(half.batches[patch]),
+            None => half.effective_batches(patch, self.bounces * self.channels, self.channels),
+        };
+        0.5 * self.halves.iter().map(|half| (of(half) - 1.0).max(0.0)).sum::<f64>()
     }
 
     /// Irradiance H of a patch, W·m⁻².

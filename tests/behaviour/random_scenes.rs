@@ -1,0 +1,21 @@
+//! Laws on random scenes: the first of those that `cargo run --release --example random_scenes -- --all` tests.
+
+#[path = "../../examples/random_scenes/generator.rs"]
+mod generator;
+#[path = "../../examples/random_scenes/laws.rs"]
+mod laws;
+#[path = "../../examples/random_scenes/mesh.rs"]
+mod mesh;
+#[path = "../../examples/random_scenes/tally.rs"]
+mod tally;
+
+use crate::scratch::Scratch;
+
+#[test]
+fn laws_hold_on_random_scenes() {
+    let scratch = Scratch::new();
+    let outcomes = (0..60).map(|seed| laws::check(seed, scratch.folder()).expect("a writable folder"));
+    let tally = tally::Tally(outcomes.collect());
+    let failures = tally.failures();
+    assert!(failures.is_empty(), "{}\n{}", failures.join("\n"), tally.table());
+}
