@@ -23,7 +23,7 @@ pub use comparison::{
 };
 pub use energy::Energy;
 pub use error_bars::{ErrorBars, ErrorBudget, ErrorPart};
-pub use health::{Finding, Verdict, mesh_health, operator_health};
+pub use health::{Finding, FrontDoubt, Verdict, front_doubts, mesh_health, operator_health};
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
 pub use study::{
     Cell, Conclusions, FaceError, Grid, LeftOut, OrderTrend, Reading, ReferenceSide, Slope, Solving, Study,

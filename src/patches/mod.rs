@@ -15,6 +15,7 @@ mod clusters;
 mod contacts;
 mod cutter;
 mod facet;
+mod facing;
 mod groups;
 mod locator;
 mod outlook;
@@ -39,6 +40,7 @@ pub use basis::Basis;
 pub use clusters::Clusters;
 pub use cutter::Cutter;
 pub(crate) use facet::Facet;
+pub use facing::seeing_sides;
 pub use groups::{Group, GroupBy, Groups};
 pub use outlook::{Outlook, Stretch};
 use parts::{Parting, Parts};
@@ -223,7 +225,7 @@ impl<'s> Patches<'s> {
     pub(crate) fn activate(&mut self, slots: &[u32]) {
         let across: Vec<u32> = match self.reach {
             Reach::Light => slots.iter().filter_map(|&slot| self.across(slot)).collect(),
-            Reach::Everything => Vec::new(),
+            Reach::Everything | Reach::OneSide(_) => Vec::new(),
         };
         self.activate_just(slots.iter().copied().chain(across));
     }
@@ -243,18 +245,19 @@ impl<'s> Patches<'s> {
         self.areas = self
             .slot_of_patch
             .iter()
-            .map(|&slot| {
-                let Slot { face, cell, .. } = self.slot(slot);
-                let [a, b, c] = self.cuts.corners(face, cell);
-                // A cell's share of its face is the area of its barycentric triangle.
-                let share = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
-                share * self.face_area(face)
-            })
+            .map(|&slot| self.cell_share(slot) * self.face_area(self.slot(slot).face))
             .collect();
         if !self.per_area.is_empty() {
             let per_area = self.slot_of_patch.iter().map(|&slot| self.per_area[slot as usize]);
             self.etendues = self.areas.iter().zip(per_area).map(|(area, each)| area * each).collect();
         }
+    }
+
+    /// The share of its face that a slot's cell has: the area of its barycentric triangle.
+    fn cell_share(&self, slot: u32) -> f64 {
+        let Slot { face, cell, .. } = self.slot(slot);
+        let [a, b, c] = self.cuts.corners(face, cell);
+        ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
     }
 
     /// Number of patches n.
@@ -365,7 +368,7 @@ impl<'s> Patches<'s> {
     /// Whether a slot sends out light once light reaches it or its other side: it reflects, lets light through, or is the front of a lamp. Where everything is
     /// to be reached, all do.
     pub(crate) fn is_bright(&self, slot: u32) -> bool {
-        if self.reach == Reach::Everything {
+        if self.reach != Reach::Light {
             return true;
         }
         let Slot { face, side, .. } = self.slot(slot);

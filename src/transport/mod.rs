@@ -47,7 +47,7 @@ pub use exchange::Exchange;
 pub(crate) use forecast::is_quickly_factored;
 pub use forecast::{Cost, Forecast, Solving, StageCost, Work};
 pub use form_factors::{FormFactors, Keep, Occlusion, TraceOptions};
-pub use groups::GroupFactor;
+pub use groups::{GroupFactor, Unmet};
 pub(crate) use lanczos::{ends_of_spectrum, uneven};
 pub use mass::Mass;
 pub use operator::Transport;

@@ -9,6 +9,7 @@ mod lamps;
 mod leaks;
 mod operator;
 mod shape;
+mod winding;
 
 use serde::Serialize;
 
@@ -16,6 +17,7 @@ use crate::patches::Patches;
 use crate::trace::Tracer;
 use edges::Edges;
 pub use operator::operator_health;
+pub use winding::{FrontDoubt, front_doubts};
 
 /// What a finding means for an answer; the later, the worse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
