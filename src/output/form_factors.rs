@@ -6,7 +6,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::npz::Npz;
-use super::table::digits;
+use super::table::{digits, significant};
 use super::{OutputError, replace};
 use crate::patches::{GroupBy, Groups, Patches};
 use crate::transport::{Exchange, GroupFactor, Unmet};
@@ -198,7 +198,7 @@ impl<'a> FactorTable<'a> {
 
 /// Writes form factors in the format that the file's name asks for: rows of the groups that send, of one side over its whole area.
 ///
-/// - `.csv`: `from,to,form_factor,standard_error,from_area,escape,escape_error,upper95`, nine digits; by face
+/// - `.csv`: `from,to,form_factor,standard_error,from_area,escape,escape_error,upper95`; by face
 ///   `from,from_side,to,to_side,form_factor,…`; by patch numbers from 0 and nothing of errors. `from_area` in m², `escape` and its standard
 ///   error are of the whole group and the same in all of its rows; `upper95` is the upper 95 % bound on the form factor. By object and by material
 ///   every pair has its row: one that no ray met with a form factor of 0 and its bound, which is 0 only where the two provably cannot face each
@@ -219,6 +219,9 @@ pub fn write_form_factors(path: &Path, table: &FactorTable) -> Result<(), Output
         FactorFormat::Npz => replace(path, |file| write_npz(file, table)),
     }
 }
+
+/// Significant digits of what adds up to 1, for sums over many rows to do so too.
+const SHARE_DIGITS: usize = 12;
 
 /// Groups by face up to which every pair is listed.
 const FEW_FACES: usize = 64;
@@ -253,9 +256,10 @@ fn write_csv(file: &mut dyn Write, table: &FactorTable) -> io::Result<()> {
             table.for_row(a, |b, entry| row.push((b, entry)));
         }
         let escape = table.escape(a);
-        let of_group = [digits(groups[a].area), digits(escape.form_factor), known(escape.standard_error)];
+        let share = |entry: FactorEntry| significant(entry.form_factor, SHARE_DIGITS);
+        let of_group = [digits(groups[a].area), share(escape), known(escape.standard_error)];
         for (b, entry) in row {
-            let values = [digits(entry.form_factor), known(entry.standard_error)];
+            let values = [share(entry), known(entry.standard_error)];
             let bound = [known(entry.upper95)];
             csv.write_record(keys[a].iter().chain(&keys[b]).chain(&values).chain(&of_group).chain(&bound))?;
         }

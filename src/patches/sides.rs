@@ -78,12 +78,7 @@ impl Patches<'_> {
     }
 
     /// The slots of all these sides of faces but of those that provably see nothing.
-    fn seeing(
-        &self,
-        tracer: &Tracer,
-        options: &Tessellation,
-        sides: &[Side],
-    ) -> Result<Vec<u32>, Cancelled> {
+    fn seeing(&self, tracer: &Tracer, options: &Tessellation, sides: &[Side]) -> Result<Vec<u32>, Cancelled> {
         options.progress.at("patch", 0.3)?;
         let mut found = Vec::new();
         for (face, seeing) in seeing_sides(tracer).into_iter().enumerate() {

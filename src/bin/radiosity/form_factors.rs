@@ -145,6 +145,18 @@ impl Args {
     }
 }
 
+/// Says so where rows could not be balanced: they lack something then, and are written as they are.
+fn warn_of_missing(factors: &FormFactors, terminal: &Terminal) {
+    /// What may be missing without a word.
+    const ROUNDING: f64 = 1e-9;
+    let worst = factors.exchanges().iter().map(|exchange| exchange.closure().after).fold(0.0, f64::max);
+    if worst > ROUNDING {
+        terminal.warn(format_args!(
+            "form factors do not close: up to {worst:.0e} of what a patch sends out is missing from its row; trace more rays (--rays)"
+        ));
+    }
+}
+
 /// Names objects whose front may not be the side that is meant.
 fn warn_of_doubts(objects: &[String], doubts: &[Option<FrontDoubt>], terminal: &Terminal) {
     /// Objects that are named.
@@ -157,7 +169,8 @@ fn warn_of_doubts(objects: &[String], doubts: &[Option<FrontDoubt>], terminal: &
         let of = objects.iter().zip(doubts).filter(|(_, doubt)| **doubt == Some(reason));
         let names: Vec<&str> = of.map(|(name, _)| name.as_str()).collect();
         if let Some(more) = names.len().checked_sub(1) {
-            let and_more = if more >= NAMED { format!(" and {} more", names.len() - NAMED) } else { String::new() };
+            let and_more =
+                if more >= NAMED { format!(" and {} more", names.len() - NAMED) } else { String::new() };
             let named = names[..names.len().min(NAMED)].join(", ");
             terminal.warn(format_args!(
                 "form factors are from both sides of {named}{and_more}: {words}, or choose --sides"
@@ -188,13 +201,13 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     };
     if let Some(factors) = &factors {
         terminal.takes(factors.bytes());
+        warn_of_missing(factors, terminal);
     } else {
         terminal.warn("no face sees another: everything escapes");
     }
     let channel = args.channel(&scene, factors.as_ref(), terminal)?;
-    let sends = |face: usize, side: Side| {
-        from[scene.faces()[face].object as usize][usize::from(side == Side::Back)]
-    };
+    let sends =
+        |face: usize, side: Side| from[scene.faces()[face].object as usize][usize::from(side == Side::Back)];
     let groups = Groups::new(&patches, by, sends);
     let between = match &factors {
         Some(factors) if by != GroupBy::Patch => {
@@ -286,7 +299,8 @@ fn matrix(table: &FactorTable) -> Option<String> {
         return None;
     }
     let of = |group: &usize| groups[*group].name.clone();
-    let [names, mut columns] = [&senders, &receivers].map(|some| some.iter().map(of).collect::<Vec<String>>());
+    let [names, mut columns] =
+        [&senders, &receivers].map(|some| some.iter().map(of).collect::<Vec<String>>());
     let row = |&a: &usize| {
         let all = table.full_row(a);
         receivers.iter().map(|&b| all[b]).collect::<Vec<FactorEntry>>()
