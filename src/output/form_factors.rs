@@ -38,8 +38,9 @@ impl FactorFormat {
     }
 }
 
-/// The form factors between groups of patches, by row: F_ab of one side over its whole area, and what escapes, F_a∞. With what carriers
-/// absorb and lose a row sums to 1; where form factors could not be balanced it lacks what is missing.
+/// The form factors between groups of patches, by row: F_ab of one side over its whole area, and what
+/// escapes, F_a∞. With what carriers absorb and lose a row sums to 1; where form factors could not be
+/// balanced it lacks what is missing.
 #[derive(Clone, Debug)]
 pub struct FactorTable<'a> {
     patches: &'a Patches<'a>,
@@ -82,8 +83,8 @@ impl FactorEntry {
 }
 
 impl<'a> FactorTable<'a> {
-    /// What [`between_groups`](crate::transport::FormFactors::between_groups) found with so many rays a patch. A group without patches
-    /// sees nothing, so all it sends out escapes.
+    /// What [`between_groups`](crate::transport::FormFactors::between_groups) found with so many rays a
+    /// patch. A group without patches sees nothing, so all it sends out escapes.
     pub fn between_groups(
         patches: &'a Patches,
         groups: &'a Groups,
@@ -142,7 +143,8 @@ impl<'a> FactorTable<'a> {
         }
     }
 
-    /// Row a with its zeros. Between groups a zero is what no ray found, with the bound that follows, or what is proven to be none.
+    /// Row a with its zeros. Between groups a zero is what no ray found, with the bound that follows, or what
+    /// is proven to be none.
     pub fn full_row(&self, a: usize) -> Vec<FactorEntry> {
         let nothing = |b: usize| match &self.values {
             Values::Groups(_, unmet) if self.may_exchange(a, b) => {
@@ -196,19 +198,21 @@ impl<'a> FactorTable<'a> {
     }
 }
 
-/// Writes form factors in the format that the file's name asks for: rows of the groups that send, of one side over its whole area.
+/// Writes form factors in the format that the file's name asks for: rows of the groups that send, of one side
+/// over its whole area.
 ///
 /// - `.csv`: `from,to,form_factor,standard_error,from_area,escape,escape_error,upper95`; by face
-///   `from,from_side,to,to_side,form_factor,…`; by patch numbers from 0 and nothing of errors. `from_area` in m², `escape` and its standard
-///   error are of the whole group and the same in all of its rows; `upper95` is the upper 95 % bound on the form factor. By object and by material
-///   every pair has its row: one that no ray met with a form factor of 0 and its bound, which is 0 only where the two provably cannot face each
-///   other. By face all pairs have rows that may face each other where there are no more than 64 groups, else, and by patch, those that were found
-///   to exchange anything.
+///   `from,from_side,to,to_side,form_factor,…`; by patch numbers from 0 and nothing of errors. `from_area` in
+///   m², `escape` and its standard error are of the whole group and the same in all of its rows; `upper95` is
+///   the upper 95 % bound on the form factor. By object and by material every pair has its row: one that no
+///   ray met with a form factor of 0 and its bound, which is 0 only where the two provably cannot face each
+///   other. By face all pairs have rows that may face each other where there are no more than 64 groups,
+///   else, and by patch, those that were found to exchange anything.
 /// - `.mtx`: Matrix Market, `coordinate real general`, g × g, all digits; comments name the groups. Without standard errors
 ///   and escape.
-/// - `.npz`: arrays `names` (g), `area` (g, m²), `form_factor`, `standard_error` and `upper95` (g × g), `escape` and
-///   `escape_standard_error` (g); NaN for groups that do not send. By patch without errors and bounds, but with `centre` (g × 3, m),
-///   `reflectance` and `emission` (g × c), all that L = E + K L takes.
+/// - `.npz`: arrays `names` (g), `area` (g, m²), `form_factor`, `standard_error` and `upper95` (g × g),
+///   `escape` and `escape_standard_error` (g); NaN for groups that do not send. By patch without errors and
+///   bounds, but with `centre` (g × 3, m), `reflectance` and `emission` (g × c), all that L = E + K L takes.
 ///
 /// # Errors
 /// `Format` or `Write`.

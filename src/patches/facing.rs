@@ -1,7 +1,8 @@
-//! Facing: which sides of faces can see anything, and which can see each other, by the heights of corners over planes.
+//! Facing: which sides of faces can see anything, and which can see each other, by the heights of corners
+//! over planes.
 //!
-//! A side sees only what lies in front of its plane. Where nothing does, it provably sees nothing, without a ray; any other side may see
-//! something, however few rays find it.
+//! A side sees only what lies in front of its plane. Where nothing does, it provably sees nothing, without a
+//! ray; any other side may see something, however few rays find it.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -16,13 +17,13 @@ const IN_PLANE: f64 = 1e-12;
 const CORNERS: usize = 48;
 
 /// Pairs of sides that are tried before two groups are held to face each other.
-const MOST_PAIRS: usize = 1 << 16;
+const MOST_PAIRS: usize = 1 << 20;
 
 /// A side of a face, by its number.
 pub(super) type FaceSide = (usize, Side);
 
-/// Per face, for front and back: whether it takes part, is diffuse and may see anything. What may not provably sees nothing: no corner of any
-/// face lies in front of it.
+/// Per face, for front and back: whether it takes part, is diffuse and may see anything. What may not
+/// provably sees nothing: no corner of any face lies in front of it.
 pub fn seeing_sides(tracer: &Tracer) -> Vec<[bool; 2]> {
     let scene = tracer.scene();
     let facing = Facing::new(scene, tracer.frame());
@@ -107,7 +108,8 @@ impl Facing {
             .any(|(_, few)| few.iter().any(|&p| plane.is_under(p)))
     }
 
-    /// Whether some side of a group may send light to one of another. That they may not is proven; that they may is only not disproven.
+    /// Whether some side of a group may send light to one of another. That they may not is proven; that they
+    /// may is only not disproven.
     pub fn may_exchange(&self, here: &Members, there: &Members) -> bool {
         if self.is_led_around {
             return true;

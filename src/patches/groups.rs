@@ -44,14 +44,16 @@ impl GroupBy {
 /// The patches on one side of some faces, under one name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// The name of the object or material, with ` (back)` added for its back; of a face its number and side, such as `3 front`; of a
-    /// patch the same and the number of its cell, such as `3 front 0`.
+    /// The name of the object or material, with ` (back)` added for its back; of a face its number and side,
+    /// such as `3 front`; of a patch the same and the number of its cell, such as `3 front 0`.
     pub name: String,
     /// Which side.
     pub side: Side,
-    /// Its area, m²: of objects and materials the whole area of their diffuse faces, whether these see anything or not.
+    /// Its area, m²: of objects and materials the whole area of their diffuse faces, whether these see
+    /// anything or not.
     pub area: f64,
-    /// The part of its étendue that its patches have, 0 to 1. The rest provably sees nothing, where the group [sends](Group::sends).
+    /// The part of its étendue that its patches have, 0 to 1. The rest provably sees nothing, where the group
+    /// [sends](Group::sends).
     pub seeing: f64,
     /// Whether form factors from it are asked for. What does not send is only received on.
     pub sends: bool,
@@ -68,8 +70,9 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// Groups patches, in order of faces, sides and cells, or of materials or objects, front before back. A front of these has its group even
-    /// where it has no patch, as long as it has diffuse faces; a back that provably sees nothing only where its front does not send.
+    /// Groups patches, in order of faces, sides and cells, or of materials or objects, front before back. A
+    /// front of these has its group even where it has no patch, as long as it has diffuse faces; a back that
+    /// provably sees nothing only where its front does not send.
     ///
     /// A group sends if `sends` says so of any of its faces' sides.
     pub fn new(patches: &Patches, by: GroupBy, sends: impl Fn(usize, Side) -> bool) -> Self {
@@ -134,7 +137,8 @@ impl Groups {
         &self.of_patch
     }
 
-    /// Whether light may go from group a to b. Where not, that is proven: all of one lies behind the planes of the other.
+    /// Whether light may go from group a to b. Where not, that is proven: all of one lies behind the planes
+    /// of the other.
     pub fn may_exchange(&self, a: usize, b: usize) -> bool {
         self.facing.may_exchange(&self.members[a], &self.members[b])
     }

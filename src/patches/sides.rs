@@ -16,10 +16,11 @@ use crate::trace::{Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term,
 pub enum Reach {
     /// Those that light from the scene's lamps, its lights without area and its sky reaches.
     Light,
-    /// Whole sides of faces, lit or not, black or not: all but those that provably see nothing, because nothing lies in front of their
-    /// plane. For form factors.
+    /// Whole sides of faces, lit or not, black or not: all but those that provably see nothing, because
+    /// nothing lies in front of their plane. For form factors.
     Everything,
-    /// The same of one side of all faces, and whole other sides that are met from there: for form factors of that side.
+    /// The same of one side of all faces, and whole other sides that are met from there: for form factors of
+    /// that side.
     OneSide(Side),
 }
 

@@ -5,9 +5,10 @@
 //! scales which depend on the same noisy rays leave behind, which is taken off (Quenouille 1956): F = 8 F(all) − 7 mean F(all but
 //! one). That is linear, so what closes and what is reciprocal stays so.
 //!
-//! Where few rays or none went from a to b or back, batches cannot tell the noise. A ray between patches i and j is worth
-//! w_ij = A_i A_j / ((A_i + A_j) N) of exchange area, so on average S_ij / w_ij of them land, and their number follows Poisson's law: no
-//! standard error is less than what one ray is worth, and upper bounds hold for the number of rays that were seen.
+//! Where few rays or none went from a to b or back, batches cannot tell the noise. A ray between patches i
+//! and j is worth w_ij = A_i A_j / ((A_i + A_j) N) of exchange area, so on average S_ij / w_ij of them land,
+//! and their number follows Poisson's law: no standard error is less than what one ray is worth, and upper
+//! bounds hold for the number of rays that were seen.
 
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -30,7 +31,8 @@ pub struct GroupFactor {
     pub form_factor: f64,
     /// Its standard error, estimated from 8 batches (7 degrees of freedom); at least what one ray is worth.
     pub standard_error: f64,
-    /// An upper bound on F that holds in 95 cases of 100: by the standard error, and where no more than 64 rays tell of F by their number.
+    /// An upper bound on F that holds in 95 cases of 100: by the standard error, and where no more than 64
+    /// rays tell of F by their number.
     pub upper95: f64,
 }
 
@@ -62,9 +64,10 @@ impl Unmet {
         Self { rays: f64::from(rays), largest, whole }
     }
 
-    /// The form factor from group a to b, or what escapes, where no ray went from one to the other: 0. With the weight w of one ray,
-    /// the standard error is w and the upper bound 3 w. Wherever on a and b they see each other, w is not more than for the largest
-    /// patches, and 1/w not less than the number of rays where all patches are alike. Nothing is uncertain where a group has no patches.
+    /// The form factor from group a to b, or what escapes, where no ray went from one to the other: 0. With
+    /// the weight w of one ray, the standard error is w and the upper bound 3 w. Wherever on a and b they see
+    /// each other, w is not more than for the largest patches, and 1/w not less than the number of rays where
+    /// all patches are alike. Nothing is uncertain where a group has no patches.
     pub fn between(&self, a: usize, b: Option<usize>) -> GroupFactor {
         let size = |group: usize| self.largest.get(group).copied().unwrap_or(0.0);
         let [here, there] = [size(a), b.map_or(f64::INFINITY, size)];
@@ -167,13 +170,15 @@ struct Evidence {
     worth: f64,
 }
 
-/// The upper 95 % bound on a form factor: Student's for 7 degrees of freedom, and where few rays tell of it, Poisson's for their number.
+/// The upper 95 % bound on a form factor: Student's for 7 degrees of freedom, and where few rays tell of it,
+/// Poisson's for their number.
 fn upper95(form_factor: f64, standard_error: f64, hits: f64) -> f64 {
     /// Student's 95 % quantile.
     const STUDENT: f64 = 1.894_578_605;
     let by_batches = form_factor + STUDENT * standard_error;
     let few = hits > 0.0 && hits <= FEW;
-    // The 95 % bound on the mean of a number h that was seen is half the quantile of χ² with 2 h + 2 degrees of freedom.
+    // The 95 % bound on the mean of a number h that was seen is half the quantile of χ² with 2 h + 2 degrees
+    // of freedom.
     let quantile = |hits: f64| ChiSquared::new(2.0 * hits + 2.0).map(|chi| 0.5 * chi.inverse_cdf(0.95));
     let by_number = quantile(hits).ok().filter(|_| few).map_or(0.0, |most| form_factor * most / hits);
     by_batches.max(by_number).min(1.0).max(form_factor)
@@ -184,7 +189,8 @@ fn evidence_of(row: &[(usize, Evidence)], to: usize) -> Evidence {
     row.binary_search_by_key(&to, |entry| entry.0).map_or(Evidence::default(), |k| row[k].1)
 }
 
-/// By how many rays each form factor between groups is known, by sending group and ascending; escape comes last.
+/// By how many rays each form factor between groups is known, by sending group and ascending; escape comes
+/// last.
 fn evidence(exchange: &Exchange, group_of: &[usize], rays: f64) -> Vec<Vec<(usize, Evidence)>> {
     let groups = group_of.iter().max().map_or(0, |last| last + 1);
     let (areas, (storage, scale)) = (exchange.areas(), exchange.raw());

@@ -1,4 +1,5 @@
-//! Form factors of one side over its whole area: known values, closure, reciprocity, bounds on what no ray found, which sides are meant.
+//! Form factors of one side over its whole area: known values, closure, reciprocity, bounds on what no ray
+//! found, which sides are meant.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -25,7 +26,7 @@ struct Effort {
     seed: u64,
 }
 
-/// Form factors from the fronts of objects, and from their backs if `both` are reached.
+/// Form factors from the fronts of objects, and from their backs too where everything is reached.
 fn by_object(scene: &Scene, reach: Reach, effort: Effort, then: impl FnOnce(&FactorTable)) {
     let Effort { patches, rays, seed } = effort;
     let tracer = Tracer::new(scene);
@@ -55,7 +56,7 @@ fn factor(table: &FactorTable, from: &str, to: &str) -> FactorEntry {
     table.full_row(place(table, from))[place(table, to)]
 }
 
-/// Spheres around the origin, of 320 faces each: radius, and whether fronts are outside.
+/// Spheres around the origin, of 128 faces each: radius, and whether fronts are outside.
 fn spheres(all: &[(f64, bool)]) -> Scene {
     let mut parts = SceneParts {
         name: "spheres".into(),
@@ -66,7 +67,7 @@ fn spheres(all: &[(f64, bool)]) -> Scene {
         parts.objects.push(format!("sphere {object}"));
         let mut faces: Vec<[DVec3; 3]> = Vec::new();
         for signs in 0..8 {
-            let sign = |k: u32| if signs >> k & 1 == 0 { 1.0 } else { -1.0 };
+            let sign = |k: u32| if (signs >> k) & 1 == 0 { 1.0 } else { -1.0 };
             let [x, y, z] = [DVec3::X * sign(0), DVec3::Y * sign(1), DVec3::Z * sign(2)];
             faces.push(if sign(0) * sign(1) * sign(2) > 0.0 { [x, y, z] } else { [x, z, y] });
         }
@@ -110,7 +111,7 @@ fn a_form_factor_is_of_one_side_over_its_whole_area() {
             let found = factor(table, from, to);
             assert!((found.form_factor - exact).abs() < 1e-6, "{from} to {to}: {found:?}");
             let error = found.standard_error.unwrap();
-            assert!(error > 1e-7 && error < 1e-4, "at least what a ray is worth: {found:?}");
+            assert!(error > 1e-7 && error < 1e-3, "at least what a ray is worth: {found:?}");
         }
         let alone = factor(table, "sphere 0", "sphere 0");
         assert_eq!(
@@ -141,7 +142,7 @@ fn faces_that_see_nothing_count_in_the_area() {
     // One of two floor tiles lies face down: the tiles' front is twice as large as what sees the ceiling.
     let tile = |x: f64| [[x, 0.0, 0.0], [x + 1.0, 0.0, 0.0], [x + 1.0, 1.0, 0.0], [x, 1.0, 0.0]];
     let ceiling = [[0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 0.0, 1.0]];
-    let mut scene = quads(
+    let scene = quads(
         &[(tile(0.0), 0), (flipped(tile(5.0)), 0), (ceiling, 1)],
         vec![Material::diffuse("floor", &[0.5]), Material::diffuse("ceiling", &[0.5])],
     );
@@ -160,8 +161,8 @@ fn faces_that_see_nothing_count_in_the_area() {
     assert!(z.abs() < 4.0, "{found:?}, z = {z}");
     let row: f64 = table.full_row(0).iter().map(|entry| entry.form_factor).sum();
     assert!((row + table.escape(0).form_factor - 1.0).abs() < 1e-9);
-    scene = quads(&[(tile(0.0), 0)], vec![Material::diffuse("floor", &[0.5])]);
-    assert_eq!(radiosity::patches::seeing_sides(&Tracer::new(&scene)), [[false; 2]; 2]);
+    let alone = quads(&[(tile(0.0), 0)], vec![Material::diffuse("floor", &[0.5])]);
+    assert_eq!(radiosity::patches::seeing_sides(&Tracer::new(&alone)), [[false; 2]; 2]);
 }
 
 /// Form factors of fronts over the whole front area, from closed forms and integrals.
@@ -247,7 +248,7 @@ fn zero_hits_have_an_upper_bound() {
 
 #[test]
 fn upper_bounds_of_rare_pairs_hold_in_95_cases_of_100() {
-    // From none to a few hits in a run, at a distance of three sides.
+    // From none to a few hits in a run, at a distance of twelve sides.
     let low = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     const APART: f64 = 12.0;
     let high = flipped(low.map(|[x, y, _]| [x, y, APART]));

@@ -16,17 +16,20 @@ use crate::terminal::{Failure, Terminal};
 
 /// Form factors between faces, materials, objects or patches; needs no light
 ///
-/// F_ab is the fraction of what one side of a sends out, over its whole area, that lands on one side of b. Every side takes part, lit or not, that
-/// may see anything; light that lands on the back of b counts to `b (back)`. With what escapes a row sums to 1; what mirrors, metals and glass
-/// absorb, and what rays that could not be balanced lack, is missing from it.
+/// F_ab is the fraction of what one side of a sends out, over its whole area, that lands on one side of b.
+/// Every side takes part, lit or not, that may see anything; light that lands on the back of b counts to `b
+/// (back)`. With what escapes a row sums to 1; what mirrors, metals and glass absorb, and what rays that
+/// could not be balanced lack, is missing from it.
 ///
-/// A pair that no ray met has the form factor 0, and in upper95 what it may be at most (95 %): about 3 by the number of rays. Only where upper95 is 0
-/// too can the two provably not face each other.
+/// A pair that no ray met has the form factor 0, and in upper95 what it may be at most (95 %): about 3 by the
+/// number of rays. Only where upper95 is 0 too can the two provably not face each other.
 ///
-/// The end of FILE says how they are written. .csv: from,to,form_factor,standard_error,from_area,escape,escape_error,upper95 (by face also from_side
-/// and to_side); by object and material every pair has a row, by face (of more than 64 sides) and patch those that exchange anything. .mtx: a Matrix
-/// Market matrix whose comments name rows and columns. .npz: the NumPy arrays names, area (m²), form_factor, standard_error, upper95, escape and
-/// escape_standard_error; by patch no errors, but centre, reflectance and emission.
+/// The end of FILE says how they are written. .csv:
+/// from,to,form_factor,standard_error,from_area,escape,escape_error,upper95 (by face also from_side and
+/// to_side); by object and material every pair has a row, by face (of more than 64 sides) and patch those
+/// that exchange anything. .mtx: a Matrix Market matrix whose comments name rows and columns. .npz: the NumPy
+/// arrays names, area (m²), form_factor, standard_error, upper95, escape and escape_standard_error; by patch
+/// no errors, but centre, reflectance and emission.
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("out", out_file))]
 pub struct Args {
@@ -37,8 +40,9 @@ pub struct Args {
     #[arg(long, value_enum)]
     by: Option<ByArg>,
 
-    /// Which sides form factors are from [default: by face and patch both; by object and material the front, and of objects whose faces are wound
-    /// inconsistently, or whose fronts see nothing, both, with a warning]
+    /// Which sides form factors are from [default: by face and patch both; by object and material the front,
+    /// and of objects whose faces are wound inconsistently, or whose fronts see nothing, both, with a
+    /// warning]
     #[arg(long, value_enum)]
     sides: Option<SidesArg>,
 
@@ -112,7 +116,8 @@ impl Args {
         Ok((asked - 1).min(channels - 1))
     }
 
-    /// Which sides become patches, and per object whether form factors are from its front and its back; says so if that is not clear.
+    /// Which sides become patches, and per object whether form factors are from its front and its back; says
+    /// so if that is not clear.
     fn sides(&self, tracer: &Tracer, by: GroupBy, terminal: &Terminal) -> (Reach, Vec<[bool; 2]>) {
         let objects = tracer.scene().objects();
         let all = |sides: [bool; 2]| vec![sides; objects.len()];
@@ -152,7 +157,8 @@ fn warn_of_missing(factors: &FormFactors, terminal: &Terminal) {
     let worst = factors.exchanges().iter().map(|exchange| exchange.closure().after).fold(0.0, f64::max);
     if worst > ROUNDING {
         terminal.warn(format_args!(
-            "form factors do not close: up to {worst:.0e} of what a patch sends out is missing from its row; trace more rays (--rays)"
+            "form factors do not close: up to {worst:.0e} of what a patch sends out is missing from its row; trace \
+             more rays (--rays)"
         ));
     }
 }
@@ -266,15 +272,16 @@ fn report(
         terminal.print(serde_json::to_string_pretty(&summary)?)?;
     }
     terminal.say(format_args!(
-        "{}: {} patches, {rays} rays a patch, form factors between {} {}",
+        "{}: {} patches, {rays} rays a patch, form factors from {} to {} {}",
         scene.name(),
         table.patches().len(),
-        groups.len(),
+        table.senders().count(),
+        table.receivers().count(),
         match groups.by() {
             GroupBy::Patch => "patches",
             GroupBy::Face => "sides of faces",
-            GroupBy::Material => "materials",
-            GroupBy::Object => "objects",
+            GroupBy::Material => "sides of materials",
+            GroupBy::Object => "sides of objects",
         }
     ))?;
     if let Some(matrix) = matrix(table) {

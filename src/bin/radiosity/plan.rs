@@ -9,9 +9,10 @@ use crate::terminal::{Failure, Terminal};
 
 /// Tell what solve would simulate and what that would cost, without tracing a ray
 ///
-/// Takes the options of solve. For every effect: whether the scene calls for it, why, and what it is predicted to cost; that is what
-/// would be saved without it. A scene may be without light. Seconds are for a machine like the one they were fitted on, two cores of an AMD EPYC. Patches
-/// where light reaches are told from the shape of surfaces.
+/// Takes the options of solve. For every effect: whether the scene calls for it, why, and what it is
+/// predicted to cost; that is what would be saved without it. A scene may be without light. Seconds are for a
+/// machine like the one they were fitted on, two cores of an AMD EPYC. Patches where light reaches are told
+/// from the shape of surfaces.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]

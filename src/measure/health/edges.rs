@@ -132,7 +132,8 @@ impl<'s> Edges<'s> {
         Finding { count: Some(breaks), ..finding }.but(Verdict::Note, against, remedy)
     }
 
-    /// Per object, whether two faces of it that share an edge with no other run it the same way: where one has its front the other has its back.
+    /// Per object, whether two faces of it that share an edge with no other run it the same way: where one
+    /// has its front the other has its back.
     pub fn broken_objects(&self) -> Vec<bool> {
         let object = |one: &Use| self.scene.faces()[one.face].object as usize;
         let mut broken = vec![false; self.scene.objects().len()];
