@@ -170,8 +170,6 @@ impl Solved {
             energy: &Energy::of(&k, &sources, &solution.radiance, patches.unit_of_area()),
             budget: Some(&bars.budget),
             tolerance: TOLERANCE,
-            order: 0,
-            disagreements: factors.disagreements(),
         });
         let reasons = verdict.reasons.iter();
         Ok(Self {

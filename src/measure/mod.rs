@@ -25,7 +25,9 @@ pub use comparison::{
 };
 pub use energy::Energy;
 pub use error_bars::{ErrorBars, ErrorBudget, ErrorPart};
-pub use health::{Finding, Grade, ObjectOverlap, mesh_health, operator_health, overlaps};
+pub use health::{
+    Finding, FrontDoubt, Grade, ObjectOverlap, front_doubts, mesh_health, operator_health, overlaps,
+};
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
 pub use slack::{FaceSlack, Slack};
 pub use study::{

@@ -35,7 +35,7 @@ pub use self::figure::{
     write_false_colours, write_knobs_plot, write_orders_plot, write_small_plots, write_study_plot,
 };
 pub use self::file::{Outputs, replace};
-pub use self::form_factors::{FactorFormat, FactorTable, write_form_factors};
+pub use self::form_factors::{FactorEntry, FactorFormat, FactorTable, write_form_factors};
 pub use self::image::{Outlines, RenderOptions, Shading, Surfaces, render};
 pub use self::mesh::write_ply;
 pub use self::photometry::{

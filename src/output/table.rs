@@ -142,16 +142,21 @@ pub(super) fn write_columns(
 
 /// A number with nine significant digits, without trailing zeros.
 pub(super) fn digits(x: f64) -> String {
+    significant(x, 9)
+}
+
+/// A number with so many significant digits, without trailing zeros.
+pub(super) fn significant(x: f64, digits: usize) -> String {
     if x == 0.0 {
         return "0".into();
     }
     let magnitude = x.abs().log10().floor();
-    if !(-4.0..9.0).contains(&magnitude) {
-        let text = format!("{x:.8e}");
+    if !(-4.0..digits as f64).contains(&magnitude) {
+        let text = format!("{x:.*e}", digits - 1);
         let (number, exponent) = text.split_once('e').unwrap_or((&text, "0"));
         return format!("{}e{exponent}", number.trim_end_matches('0').trim_end_matches('.'));
     }
-    let text = format!("{x:.*}", (8 - magnitude as i32).max(0) as usize);
+    let text = format!("{x:.*}", (digits as i32 - 1 - magnitude as i32).max(0) as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 

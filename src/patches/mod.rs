@@ -15,6 +15,7 @@ mod clusters;
 mod contacts;
 mod cutter;
 mod facet;
+mod facing;
 mod groups;
 mod locator;
 mod outlook;
@@ -39,6 +40,7 @@ pub use basis::Basis;
 pub use clusters::Clusters;
 pub use cutter::Cutter;
 pub(crate) use facet::Facet;
+pub use facing::seeing_sides;
 pub use groups::{Group, GroupBy, Groups};
 pub use outlook::{Outlook, Stretch};
 use parts::{Parting, Parts};
@@ -230,7 +232,7 @@ impl<'s> Patches<'s> {
     pub(crate) fn activate(&mut self, slots: &[u32]) {
         let across: Vec<u32> = match self.reach {
             Reach::Light => slots.iter().filter_map(|&slot| self.across(slot)).collect(),
-            Reach::Everything => Vec::new(),
+            Reach::Everything | Reach::OneSide(_) => Vec::new(),
         };
         self.activate_just(slots.iter().copied().chain(across));
     }
@@ -250,15 +252,19 @@ impl<'s> Patches<'s> {
         self.areas = self
             .slot_of_patch
             .iter()
-            .map(|&slot| {
-                let Slot { face, cell, .. } = self.slot(slot);
-                cell_share(self.cuts.corners(face, cell)) * self.face_area(face)
-            })
+            .map(|&slot| self.cell_share(slot) * self.face_area(self.slot(slot).face))
             .collect();
         if !self.per_area.is_empty() {
             let per_area = self.slot_of_patch.iter().map(|&slot| self.per_area[slot as usize]);
             self.etendues = self.areas.iter().zip(per_area).map(|(area, each)| area * each).collect();
         }
+    }
+
+    /// The share of its face that a slot's cell has: the area of its barycentric triangle.
+    fn cell_share(&self, slot: u32) -> f64 {
+        let Slot { face, cell, .. } = self.slot(slot);
+        let [a, b, c] = self.cuts.corners(face, cell);
+        ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
     }
 
     /// Number of patches n.
@@ -369,7 +375,7 @@ impl<'s> Patches<'s> {
     /// Whether a slot sends out light once light reaches it or its other side: it reflects, lets light through, or is the front of a lamp. Where everything is
     /// to be reached, all do.
     pub(crate) fn is_bright(&self, slot: u32) -> bool {
-        if self.reach == Reach::Everything {
+        if self.reach != Reach::Light {
             return true;
         }
         let Slot { face, side, .. } = self.slot(slot);
@@ -429,10 +435,8 @@ impl<'s> Patches<'s> {
         if self.covered.is_empty() {
             return all;
         }
-        let first = self.first_slot_of(face, side);
         let covered = self.slots_of(face, side).filter(|&slot| self.is_covered(slot));
-        let share = |slot: u32| cell_share(self.cuts.corners(face, slot - first));
-        all * (1.0 - covered.map(share).sum::<f64>()).max(0.0)
+        all * (1.0 - covered.map(|slot| self.cell_share(slot)).sum::<f64>()).max(0.0)
     }
 
     /// Area of a face, normalised frame.
@@ -508,11 +512,6 @@ impl<'s> Patches<'s> {
         };
         emitting.map(group).filter(|group| group.sources.amax() > 0.0).collect()
     }
-}
-
-/// A cell's share of its face: the area of its barycentric triangle.
-fn cell_share([a, b, c]: [Barycentrics; 3]) -> f64 {
-    ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs()
 }
 
 /// The lamps of one material.

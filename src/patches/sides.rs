@@ -5,6 +5,7 @@
 
 use rayon::prelude::*;
 
+use super::facing::seeing_sides;
 use super::{Patches, Slot, Tessellation};
 use crate::progress::Cancelled;
 use crate::scene::{Feature, Side};
@@ -15,8 +16,12 @@ use crate::trace::{Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term,
 pub enum Reach {
     /// Those that light from the scene's lamps, its lights without area and its sky reaches.
     Light,
-    /// Whole sides of faces that see anything or are seen, lit or not, black or not: for form factors.
+    /// Whole sides of faces, lit or not, black or not: all but those that provably see nothing, because
+    /// nothing lies in front of their plane. For form factors.
     Everything,
+    /// The same of one side of all faces, and whole other sides that are met from there: for form factors of
+    /// that side.
+    OneSide(Side),
 }
 
 /// Rays by which a slot looks around.
@@ -38,7 +43,12 @@ impl Patches<'_> {
     ) -> Result<(), Cancelled> {
         let found = match options.reach {
             Reach::Light => self.lit(tracer, options, rays, |_| true)?,
-            Reach::Everything => self.seeing(tracer, options, rays)?,
+            Reach::Everything => self.seeing(tracer, options, &Side::BOTH)?,
+            Reach::OneSide(side) => {
+                let mut found = self.seeing(tracer, options, &[side])?;
+                found.extend(self.look(tracer, &found, rays, options.seed).concat());
+                self.widen(found)
+            }
         };
         self.activate(&found);
         Ok(())
@@ -57,34 +67,26 @@ impl Patches<'_> {
                 likely.iter().for_each(|&slot| is_likely[slot as usize] = true);
                 self.lit(tracer, options, GLANCE, |slot| is_likely[slot as usize])?
             }
-            Reach::Everything => self.widen(likely.to_vec()),
+            Reach::Everything | Reach::OneSide(_) => self.widen(likely.to_vec()),
         };
         self.activate(&found);
         Ok(())
     }
 
-    /// The slots of all sides of faces that see something or are seen.
-    fn seeing(&self, tracer: &Tracer, options: &Tessellation, rays: u32) -> Result<Vec<u32>, Cancelled> {
-        /// To see anything at all is asked of a side but once, and answered with care.
-        const CARE: u32 = 4;
+    /// The slots of all these sides of faces but of those that provably see nothing.
+    fn seeing(&self, tracer: &Tracer, options: &Tessellation, sides: &[Side]) -> Result<Vec<u32>, Cancelled> {
         options.progress.at("patch", 0.3)?;
-        let sides =
-            (0..self.scene.faces().len()).flat_map(|face| Side::BOTH.map(|side| self.slots_of(face, side)));
         let mut found = Vec::new();
-        for side in sides {
-            let slots: Vec<u32> = side.clone().filter(|&slot| !self.is_covered(slot)).collect();
-            let landings = self.look(tracer, &slots, CARE * rays, options.seed).concat();
-            if !landings.is_empty() {
-                found.push(side.start);
-                found.extend(landings);
-            }
+        for (face, seeing) in seeing_sides(tracer).into_iter().enumerate() {
+            let sees = |side: &&Side| seeing[usize::from(**side == Side::Back)];
+            sides.iter().filter(sees).for_each(|&side| found.extend(self.slots_of(face, side)));
         }
-        Ok(self.widen(found))
+        Ok(found)
     }
 
     /// What become patches once these slots are reached: they alone, or the whole sides on which they lie.
     pub(crate) fn widen(&self, mut slots: Vec<u32>) -> Vec<u32> {
-        if self.reach == Reach::Everything {
+        if self.reach != Reach::Light {
             let side_of = |slot: u32| {
                 let Slot { face, side, .. } = self.slot(slot);
                 (face, side)

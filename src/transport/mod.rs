@@ -50,7 +50,7 @@ pub use exchange::Exchange;
 pub(crate) use forecast::is_quickly_factored;
 pub use forecast::{Cost, Forecast, Solving, StageCost, Work};
 pub use form_factors::{FormFactors, Keep, Occlusion, TraceOptions};
-pub use groups::GroupFactor;
+pub use groups::{GroupFactor, Unmet};
 pub use lamp_flux::LampFlux;
 pub(crate) use lanczos::{ends_of_spectrum, uneven};
 pub use mass::Mass;

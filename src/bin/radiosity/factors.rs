@@ -64,9 +64,29 @@ impl FactorsArgs {
     }
 
     /// The scene without what is switched off, and the plan for it; warns of what is lost.
+    ///
+    /// # Errors
+    /// If there is no light left, or form factors in files are asked for that lack something.
     pub fn settle(&self, scene: Scene, terminal: &Terminal) -> Result<(Scene, Plan), Failure> {
-        let (scene, plan, told) = self.effects.apply(scene);
-        scene.require_light()?;
+        let applied = self.effects.apply(scene);
+        applied.0.require_light()?;
+        self.settle_unlit(applied, terminal)
+    }
+
+    /// The same of a scene that may be without light, for commands that solve nothing.
+    pub fn plan(&self, scene: Scene, terminal: &Terminal) -> Result<(Scene, Plan), Failure> {
+        let applied = self.effects.apply(scene);
+        if applied.0.require_light().is_err() {
+            terminal.warn("no light at all: this is what solving would take once something emits");
+        }
+        self.settle_unlit(applied, terminal)
+    }
+
+    fn settle_unlit(
+        &self,
+        (scene, plan, told): (Scene, Plan, Vec<String>),
+        terminal: &Terminal,
+    ) -> Result<(Scene, Plan), Failure> {
         terminal.warn_of(&scene);
         told.iter().for_each(|line| terminal.warn(line));
         let direct_only = scene.is_without(Feature::Interreflection);

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use clap::builder::TypedValueParser;
-use radiosity::output::{self, FactorFormat, FactorTable};
+use radiosity::measure::{FrontDoubt, front_doubts};
+use radiosity::output::{self, FactorEntry, FactorFormat, FactorTable};
 use radiosity::patches::{GroupBy, Groups, Patches, Reach, Tessellation};
-use radiosity::scene::Scene;
+use radiosity::scene::{Scene, Side};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, Occlusion, TraceOptions};
 
@@ -15,13 +16,20 @@ use crate::terminal::{Failure, Terminal};
 
 /// Form factors between faces, materials, objects or patches; needs no light
 ///
-/// Every side of a face that sees another takes part, lit or not. F_ab is the fraction of what a sends out that lands on b; what
-/// escapes is what a row lacks to 1.
+/// F_ab is the fraction of what one side of a sends out, over its whole area, that lands on one side of b.
+/// Every side takes part, lit or not, that may see anything; light that lands on the back of b counts to `b
+/// (back)`. With what escapes a row sums to 1; what mirrors, metals and glass absorb, and what rays that
+/// could not be balanced lack, is missing from it.
 ///
-/// The end of FILE says how they are written. .csv: from,to,form_factor,standard_error (by face also from_side and to_side);
-/// by object and material every pair has a row, by face and patch those that exchange anything. .mtx: a Matrix Market matrix whose
-/// comments name rows and columns. .npz: the NumPy arrays names, area (m²), form_factor, standard_error, escape and
-/// escape_standard_error; by patch no standard errors, but centre, reflectance and emission.
+/// A pair that no ray met has the form factor 0, and in upper95 what it may be at most (95 %): about 3 by the
+/// number of rays. Only where upper95 is 0 too can the two provably not face each other.
+///
+/// The end of FILE says how they are written. .csv:
+/// from,to,form_factor,standard_error,from_area,escape,escape_error,upper95 (by face also from_side and
+/// to_side); by object and material every pair has a row, by face (of more than 64 sides) and patch those
+/// that exchange anything. .mtx: a Matrix Market matrix whose comments name rows and columns. .npz: the NumPy
+/// arrays names, area (m²), form_factor, standard_error, upper95, escape and escape_standard_error; by patch
+/// no errors, but centre, reflectance and emission.
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("out", out_file))]
 pub struct Args {
@@ -31,6 +39,12 @@ pub struct Args {
     /// What to take together [default: object if there are several, else material, else face]
     #[arg(long, value_enum)]
     by: Option<ByArg>,
+
+    /// Which sides form factors are from [default: by face and patch both; by object and material the front,
+    /// and of objects whose faces are wound inconsistently, or whose fronts see nothing, both, with a
+    /// warning]
+    #[arg(long, value_enum)]
+    sides: Option<SidesArg>,
 
     /// Which channel's form factors to write where mirrors, metals or glass are coloured: 1 for red, 2 for green, 3 for blue
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..))]
@@ -50,6 +64,15 @@ enum ByArg {
     Object,
     /// Nothing: the factors that the operator K is made of, without standard errors
     Patch,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum SidesArg {
+    /// Counter-clockwise
+    Front,
+    Back,
+    /// Each by itself: rows `sphere` and `sphere (back)`; backs that see nothing have none
+    Both,
 }
 
 /// The argument for the folder of other commands, for a file.
@@ -93,6 +116,27 @@ impl Args {
         Ok((asked - 1).min(channels - 1))
     }
 
+    /// Which sides become patches, and per object whether form factors are from its front and its back; says
+    /// so if that is not clear.
+    fn sides(&self, tracer: &Tracer, by: GroupBy, terminal: &Terminal) -> (Reach, Vec<[bool; 2]>) {
+        let objects = tracer.scene().objects();
+        let all = |sides: [bool; 2]| vec![sides; objects.len()];
+        match (self.sides, by) {
+            (Some(SidesArg::Front), _) => (Reach::OneSide(Side::Front), all([true, false])),
+            (Some(SidesArg::Back), _) => (Reach::OneSide(Side::Back), all([false, true])),
+            (Some(SidesArg::Both), _) | (None, GroupBy::Face | GroupBy::Patch) => {
+                (Reach::Everything, all([true, true]))
+            }
+            (None, GroupBy::Material | GroupBy::Object) => {
+                let doubts = front_doubts(tracer);
+                warn_of_doubts(objects, &doubts, terminal);
+                let is_clear = doubts.iter().all(Option::is_none);
+                let reach = if is_clear { Reach::OneSide(Side::Front) } else { Reach::Everything };
+                (reach, doubts.iter().map(|doubt| [true, doubt.is_some()]).collect())
+            }
+        }
+    }
+
     /// The file for the results; its folder is made if it is not there.
     fn file(&self, scene: &Scene) -> Result<PathBuf, Failure> {
         let usual = || Path::new("out").join(scene.name()).join("form_factors.csv");
@@ -106,6 +150,41 @@ impl Args {
     }
 }
 
+/// Says so where rows could not be balanced: they lack something then, and are written as they are.
+fn warn_of_missing(factors: &FormFactors, terminal: &Terminal) {
+    /// What may be missing without a word.
+    const ROUNDING: f64 = 1e-9;
+    let worst = factors.exchanges().iter().map(|exchange| exchange.closure().after).fold(0.0, f64::max);
+    if worst > ROUNDING {
+        terminal.warn(format_args!(
+            "form factors do not close: up to {worst:.0e} of what a patch sends out is missing from its row; trace \
+             more rays (--rays)"
+        ));
+    }
+}
+
+/// Names objects whose front may not be the side that is meant.
+fn warn_of_doubts(objects: &[String], doubts: &[Option<FrontDoubt>], terminal: &Terminal) {
+    /// Objects that are named.
+    const NAMED: usize = 5;
+    let reasons = [
+        (FrontDoubt::Mixed, "faces that share an edge are wound against each other; make normals consistent"),
+        (FrontDoubt::Blind, "fronts see nothing, backs do; turn their faces if that is not meant"),
+    ];
+    for (reason, words) in reasons {
+        let of = objects.iter().zip(doubts).filter(|(_, doubt)| **doubt == Some(reason));
+        let names: Vec<&str> = of.map(|(name, _)| name.as_str()).collect();
+        if let Some(more) = names.len().checked_sub(1) {
+            let and_more =
+                if more >= NAMED { format!(" and {} more", names.len() - NAMED) } else { String::new() };
+            let named = names[..names.len().min(NAMED)].join(", ");
+            terminal.warn(format_args!(
+                "form factors are from both sides of {named}{and_more}: {words}, or choose --sides"
+            ));
+        }
+    }
+}
+
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
     progress.at("load", 0.0)?;
@@ -113,11 +192,11 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     terminal.warn_of(&scene);
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
-    let options =
-        Tessellation { reach: Reach::Everything, ..args.accuracy.tessellation(&args.run, progress) };
+    let by = args.group_by(&scene);
+    let (reach, from) = args.sides(&tracer, by, terminal);
+    let options = Tessellation { reach, ..args.accuracy.tessellation(&args.run, progress) };
     let mut patches = Patches::new(&tracer, &options)?;
 
-    let by = args.group_by(&scene);
     let keep = if by == GroupBy::Patch { Keep::Nothing } else { Keep::Rays };
     let occlusion = Occlusion::Always;
     let options =
@@ -128,11 +207,14 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     };
     if let Some(factors) = &factors {
         terminal.takes(factors.bytes());
+        warn_of_missing(factors, terminal);
     } else {
         terminal.warn("no face sees another: everything escapes");
     }
     let channel = args.channel(&scene, factors.as_ref(), terminal)?;
-    let groups = Groups::new(&patches, by);
+    let sends =
+        |face: usize, side: Side| from[scene.faces()[face].object as usize][usize::from(side == Side::Back)];
+    let groups = Groups::new(&patches, by, sends);
     let between = match &factors {
         Some(factors) if by != GroupBy::Patch => {
             factors.between_groups_in(channel, &patches, groups.of_patch(), progress)?
@@ -143,7 +225,10 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         Some(factors) if by == GroupBy::Patch => {
             FactorTable::between_patches(&patches, &groups, factors.exchange_of(channel))
         }
-        _ => FactorTable::between_groups(&patches, &groups, &between),
+        _ => {
+            let rays = factors.as_ref().map_or(0, FormFactors::rays);
+            FactorTable::between_groups(&patches, &groups, &between, rays)
+        }
     };
     progress.at("write", 0.0)?;
     let file = args.file(&scene)?;
@@ -163,11 +248,11 @@ fn report(
     let closure = factors.map(|factors| *factors.exchange().closure());
     if args.run.json {
         let group = |a: usize| {
-            let (escape, standard_error) = table.escape(a);
-            let group = &groups.all()[a];
+            let (group, escape) = (&groups.all()[a], table.escape(a));
             serde_json::json!({
-                "name": group.name, "area": group.area,
-                "escape": escape, "escape_standard_error": standard_error,
+                "name": group.name, "area": group.area, "side": group.side.name(),
+                "escape": escape.form_factor, "escape_standard_error": escape.standard_error,
+                "escape_upper95": escape.upper95,
             })
         };
         let summary = serde_json::json!({
@@ -178,7 +263,7 @@ fn report(
             "patches": table.patches().len(),
             "rays": rays,
             "by": groups.by().name(),
-            "groups": (0..groups.len()).map(group).collect::<Vec<_>>(),
+            "groups": table.senders().map(group).collect::<Vec<_>>(),
             "closure": closure,
             "file": file,
             "stages": stages,
@@ -187,15 +272,16 @@ fn report(
         terminal.print(serde_json::to_string_pretty(&summary)?)?;
     }
     terminal.say(format_args!(
-        "{}: {} patches, {rays} rays a patch, form factors between {} {}",
+        "{}: {} patches, {rays} rays a patch, form factors from {} to {} {}",
         scene.name(),
         table.patches().len(),
-        groups.len(),
+        table.senders().count(),
+        table.receivers().count(),
         match groups.by() {
             GroupBy::Patch => "patches",
             GroupBy::Face => "sides of faces",
-            GroupBy::Material => "materials",
-            GroupBy::Object => "objects",
+            GroupBy::Material => "sides of materials",
+            GroupBy::Object => "sides of objects",
         }
     ))?;
     if let Some(matrix) = matrix(table) {
@@ -214,25 +300,38 @@ const WIDTH: usize = 100;
 /// All form factors side by side, with standard errors if there is room for them; none if there are too many.
 fn matrix(table: &FactorTable) -> Option<String> {
     let groups = table.groups().all();
-    if groups.is_empty() || groups.len() > MOST_GROUPS {
+    let (senders, receivers): (Vec<usize>, Vec<usize>) =
+        (table.senders().collect(), table.receivers().collect());
+    if senders.is_empty() || receivers.len() > MOST_GROUPS {
         return None;
     }
-    let mut names: Vec<String> = groups.iter().map(|group| group.name.clone()).collect();
-    let mut rows: Vec<Vec<(f64, Option<f64>)>> = (0..groups.len()).map(|a| table.full_row(a)).collect();
-    if (0..groups.len()).any(|a| table.escape(a).0 > 0.0) {
-        names.push("(escape)".into());
-        rows.iter_mut().enumerate().for_each(|(a, row)| row.push(table.escape(a)));
-    }
-    let with_error = |(value, error): (f64, Option<f64>)| match error {
-        Some(error) if value > 0.0 => format!("{}±{}", digits(value), digits(error)),
-        _ => plain((value, error)),
+    let of = |group: &usize| groups[*group].name.clone();
+    let [names, mut columns] =
+        [&senders, &receivers].map(|some| some.iter().map(of).collect::<Vec<String>>());
+    let row = |&a: &usize| {
+        let all = table.full_row(a);
+        receivers.iter().map(|&b| all[b]).collect::<Vec<FactorEntry>>()
     };
-    lay_out(&names, &rows, with_error).or_else(|| lay_out(&names, &rows, plain))
+    let mut rows: Vec<Vec<FactorEntry>> = senders.iter().map(row).collect();
+    if senders.iter().any(|&a| table.escape(a).form_factor > 0.0) {
+        columns.push("(escape)".into());
+        rows.iter_mut().zip(&senders).for_each(|(row, &a)| row.push(table.escape(a)));
+    }
+    let with_error = |entry: FactorEntry| match entry.standard_error {
+        Some(error) if entry.form_factor > 0.0 => format!("{}±{}", digits(entry.form_factor), digits(error)),
+        _ => plain(entry),
+    };
+    let headed = (names.as_slice(), columns.as_slice());
+    lay_out(headed, &rows, with_error).or_else(|| lay_out(headed, &rows, plain))
 }
 
-/// A form factor alone; a dot for none.
-fn plain((value, _): (f64, Option<f64>)) -> String {
-    if value > 0.0 { digits(value) } else { "·".into() }
+/// A form factor alone; what it is less than where no ray told of it, and a dot for none.
+fn plain(FactorEntry { form_factor, upper95, .. }: FactorEntry) -> String {
+    match upper95 {
+        _ if form_factor > 0.0 => digits(form_factor),
+        Some(bound) if bound > 0.0 => format!("<{}", digits(bound)),
+        _ => "·".into(),
+    }
 }
 
 /// Four digits, or for what would not show in them, one.
@@ -242,16 +341,16 @@ fn digits(x: f64) -> String {
 
 /// Lines of cells under their columns' names, if they are not too wide.
 fn lay_out(
-    names: &[String],
-    rows: &[Vec<(f64, Option<f64>)>],
-    show: impl Fn((f64, Option<f64>)) -> String,
+    (names, columns): (&[String], &[String]),
+    rows: &[Vec<FactorEntry>],
+    show: impl Fn(FactorEntry) -> String,
 ) -> Option<String> {
     let cells: Vec<Vec<String>> =
         rows.iter().map(|row| row.iter().map(|&cell| show(cell)).collect()).collect();
     let letters = |text: &String| text.chars().count();
-    let first = names[..rows.len()].iter().map(letters).max()?.max("from".len());
-    let widths: Vec<usize> = (0..names.len())
-        .map(|b| cells.iter().map(|row| letters(&row[b])).max().unwrap_or(0).max(letters(&names[b])))
+    let first = names.iter().map(letters).max()?.max("from".len());
+    let widths: Vec<usize> = (0..columns.len())
+        .map(|b| cells.iter().map(|row| letters(&row[b])).max().unwrap_or(0).max(letters(&columns[b])))
         .collect();
     if 2 + first + widths.iter().map(|width| width + 2).sum::<usize>() > WIDTH {
         return None;
@@ -261,5 +360,5 @@ fn lay_out(
         format!("  {name:first$}{}\n", padded.collect::<String>())
     };
     let body = names.iter().zip(&cells).map(|(name, cells)| line(name, cells));
-    Some(std::iter::once(line("from", names)).chain(body).collect())
+    Some(std::iter::once(line("from", columns)).chain(body).collect())
 }

@@ -9,9 +9,10 @@ use crate::terminal::{Failure, Terminal};
 
 /// Tell what solve would simulate and what that would cost, without tracing a ray
 ///
-/// Takes the options of solve. For every effect: whether the scene calls for it, why, and what it is predicted to cost; that is what
-/// would be saved without it. Seconds are for a machine like the one they were fitted on, two cores of an AMD EPYC. Patches
-/// where light reaches are told from the shape of surfaces.
+/// Takes the options of solve. For every effect: whether the scene calls for it, why, and what it is
+/// predicted to cost; that is what would be saved without it. A scene may be without light. Seconds are for a
+/// machine like the one they were fitted on, two cores of an AMD EPYC. Patches where light reaches are told
+/// from the shape of surfaces.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -30,7 +31,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
     let look = args.picture.options(&args.run, progress)?;
     progress.at("load", 0.0)?;
-    let (scene, plan) = args.factors.settle(args.scene.load()?, terminal)?;
+    let (scene, plan) = args.factors.plan(args.scene.load()?, terminal)?;
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
     let forecast = args.factors.forecast(&tracer, &args.solver, (&look, None), &args.run);

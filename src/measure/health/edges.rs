@@ -140,6 +140,17 @@ impl<'s> Edges<'s> {
         Finding { count: Some(breaks), ..finding }.but(Grade::Note, against, remedy)
     }
 
+    /// Per object, whether two faces of it that share an edge with no other run it the same way: where one
+    /// has its front the other has its back.
+    pub fn broken_objects(&self) -> Vec<bool> {
+        let object = |one: &Use| self.scene.faces()[one.face].object as usize;
+        let mut broken = vec![false; self.scene.objects().len()];
+        for [one, other] in self.shared() {
+            broken[object(&one)] |= object(&one) == object(&other) && one.upwards == other.upwards;
+        }
+        broken
+    }
+
     /// The faces to be flipped, the fewer in each connected surface, for the fronts to agree across shared edges.
     fn against_neighbours(&self) -> Vec<usize> {
         let mut against = Vec::new();

@@ -11,6 +11,7 @@ mod leaks;
 mod operator;
 mod overlaps;
 mod shape;
+mod winding;
 
 use serde::Serialize;
 
@@ -20,6 +21,7 @@ pub(super) use closed::ClosedSurfaces;
 use edges::Edges;
 pub use operator::operator_health;
 pub use overlaps::{ObjectOverlap, overlaps};
+pub use winding::{FrontDoubt, front_doubts};
 
 /// What a finding means for an answer; the later, the worse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
