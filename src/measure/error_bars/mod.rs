@@ -1,8 +1,9 @@
 //! Error bars: how wrong an answer may be, told from the answer itself, and where its error comes from.
 //!
 //! Nothing is traced anew. The batches of rays tell the noise of form factors and of light sampling; larger patches, merged from those that there
-//! are, tell what the size of patches does; slack tells what rows of form factors lack that could not be closed; the solver knows its residual. All
-//! but the last are *estimated*: they rest on what errors usually do. The last is *guaranteed* for the operator at hand.
+//! are, tell what the size of patches does; slack tells what rows of form factors lack that could not be
+//! closed; the solver knows its residual. All but the last are *estimated*: they rest on what errors usually
+//! do. The last is *guaranteed* for the operator at hand.
 
 mod mesh;
 mod noise;
@@ -20,15 +21,13 @@ use crate::transport::{FormFactors, Sources};
 pub(super) use mesh::Insight;
 use noise::Noise;
 pub(super) use noise::at_most as noise_at_most;
+pub(super) use slack::at_most as slack_at_most;
 
 /// So much of the scene's relative mesh error every patch and face has: its own may vanish by chance.
 const COMMON: f64 = 0.7;
 
 /// What part of the noise shows in the change that merging patches makes; measured.
 const IN_CHANGE: f64 = 0.25;
-
-/// How many times more than estimated the light may be that slack stands for: where it lies is not known.
-const SLACK_AT_MOST: f64 = 2.0;
 
 /// Student's t for 95 % of one side and 7 degrees of freedom.
 const STUDENT: f64 = 1.895;
@@ -69,7 +68,8 @@ pub struct ErrorBudget {
 /// One source of error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ErrorPart {
-    /// [`ErrorPart::MESH`], [`ErrorPart::RAYS`], [`ErrorPart::LAMPS`], `solver` or `storage`, and [`ErrorPart::SLACK`] where there is any.
+    /// [`ErrorPart::MESH`], [`ErrorPart::RAYS`], [`ErrorPart::LAMPS`], `solver` or `storage`, and
+    /// [`ErrorPart::SLACK`] where there is any.
     pub name: &'static str,
     /// How large it is, in the norm of the budget; guaranteed parts are bounds in that of [`Report::bound`](crate::solve::Report::bound).
     pub value: f64,
@@ -151,9 +151,10 @@ impl ErrorBars {
         let noise_at_most = scatter * noise_at_most(factors.rays(), basis);
         let sure = solution.report.bound + ROUNDING * solution.report.condition;
         let upper95 = (insight.at_most() * by_mesh).hypot(noise_at_most * by_noise)
-            + SLACK_AT_MOST * by_slack
+            + slack_at_most(by_slack)
             + if sure.is_finite() { sure } else { 0.0 };
-        // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have, and what it may miss.
+        // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have, and
+        // what slack may have kept from it.
         let bar = |h: f64, variance: f64, by_mesh_here: f64| {
             (variance + by_mesh_here.powi(2) + (COMMON * by_mesh * h).powi(2)).sqrt()
         };
