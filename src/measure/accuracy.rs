@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::error_bars::{ErrorBars, ErrorBudget, ErrorPart, Insight, noise_at_most};
+use super::error_bars::{ErrorBars, ErrorBudget, ErrorPart, Insight, noise_at_most, slack_at_most};
 use super::{Answer, Energy, Level, MeasureError, Verdict};
 use crate::patches::{Basis, Cutter, PatchSize, Patches, Tessellation};
 use crate::solve::{CgOptions, conjugate_gradients};
@@ -374,7 +374,8 @@ impl<'s> Search<'_, 's> {
         let known = (best.patches.len() as f64, f64::from(best.factors.rays()));
         let insight = best.budget.insight;
         let scatter = self.scatter.iter().sum::<f64>() / self.scatter.len() as f64;
-        let forecast = Forecast { from: last, power: self.power, insight, scatter, known };
+        let slack = slack_at_most(best.budget.part(ErrorPart::SLACK));
+        let forecast = Forecast { from: last, power: self.power, insight, scatter, slack, known };
         // Look how many patches the choice has before it is made.
         let (cheapest, choice, lacking) = loop {
             let (cheapest, choice, lacking) = self.choose(&forecast, wanted, time_left);
@@ -490,6 +491,8 @@ struct Forecast {
     insight: Insight,
     /// How many times more than expected noise may be by how batches differ.
     scatter: f64,
+    /// What slack adds to the error of the best answer, and will to that of others.
+    slack: f64,
     /// Patches and rays of the best answer.
     known: (f64, f64),
 }
@@ -505,7 +508,7 @@ impl Forecast {
         if !self.is_same_cut(s) {
             insight.merged = insight.merged.max(USUALLY_MERGED);
         }
-        (insight.at_most() * mesh).hypot(at_most * noise)
+        (insight.at_most() * mesh).hypot(at_most * noise) + self.slack
     }
 
     /// What it takes from the start.

@@ -20,7 +20,8 @@ pub struct Energy {
     pub carriers: Vec<f64>,
     /// What paths lose that are cut short.
     pub lost: Vec<f64>,
-    /// π Σ L·slack, what rows of form factors lack that could not be closed, see [`Exchange::slack`](crate::transport::Exchange::slack).
+    /// π Σ L·slack, what rows of form factors lack that could not be closed; see
+    /// [`Exchange::slack`](crate::transport::Exchange::slack).
     pub slack: Vec<f64>,
     /// (emitted − the rest) / emitted, the largest absolute value over channels.
     pub imbalance: f64,

@@ -1,6 +1,7 @@
-//! Slack: the light that is missing because rows of form factors could not be closed, and the faces it is missing from.
+//! Slack: the light that is missing because rows of form factors could not be closed, and the faces it is
+//! missing from.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
@@ -24,7 +25,8 @@ pub struct FaceSlack {
     pub side: Side,
     /// π Σ L·slack over the side's patches and all channels, relative to what all lights emit.
     pub power_share: f64,
-    /// Σ slack / Σ area over the side's patches; the largest over channels. 1 for a side that rays found nothing of.
+    /// Σ slack / Σ area over the side's patches; the largest over channels. 1 for a side that rays found
+    /// nothing of.
     pub area_share: f64,
 }
 
@@ -82,7 +84,7 @@ impl Slack {
         let notable: Vec<&FaceSlack> = self.faces.iter().filter(|side| side.area_share > NOTABLE).collect();
         let worst = notable.first()?;
         let mut faces: Vec<usize> = notable.iter().map(|side| side.face).collect();
-        let mut seen = std::collections::HashSet::new();
+        let mut seen = HashSet::new();
         faces.retain(|face| seen.insert(*face));
         let noun = if faces.len() == 1 { "face" } else { "faces" };
         let named: Vec<String> = faces.iter().take(MOST_NAMED).map(usize::to_string).collect();
@@ -90,10 +92,14 @@ impl Slack {
         let object = scene.objects().get(scene.faces()[worst.face].object as usize);
         let of =
             object.filter(|name| !name.is_empty()).map_or(String::new(), |name| format!(", most in {name}"));
+        let power = match 100.0 * self.power_share {
+            percent if percent >= 0.01 => format!("{percent:.2}"),
+            _ => "less than 0.01".to_owned(),
+        };
         Some(format!(
-            "{:.2} % of the emitted power is missing: the form factors of {} {noun} cannot be closed ({noun} {}{more}{of}); \
-             faces that coincide or line a closed pocket cause this, and their irradiance is too low; run `radiosity check`",
-            100.0 * self.power_share,
+            "{power} % of the emitted power is missing: the form factors of {} {noun} cannot be closed \
+             ({noun} {}{more}{of}), so their irradiance is too low; faces that coincide or line a closed \
+             pocket cause this; run `radiosity check`",
             faces.len(),
             named.join(", "),
         ))

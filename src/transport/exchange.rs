@@ -2,7 +2,8 @@
 //! patch i and φ_b on j, with one row per coefficient.
 //!
 //! Kept as D T D with T symmetric, dense or sparse, and a positive diagonal D in f64 that makes every row
-//! sum to M·1 (a patch's area, or a third of it) together with what escapes. D_i·D_j·T_ij is the same number from both sides, so
+//! sum to M·1 (a patch's area, or a third of it) together with what escapes and, where no D within bounds
+//! closes a row, its slack. D_i·D_j·T_ij is the same number from both sides, so
 //! reciprocity holds to the last bit.
 
 use nalgebra::{DMatrix, DVector};
@@ -45,8 +46,8 @@ impl Exchange {
     /// Balances raw exchange areas `storage` and escapes (N values) between coefficients of this mass, any common unit; the areas
     /// of patches are the mass of constant elements.
     ///
-    /// `lamps` (N flags) marks those whose entries are known better than the others' and are not to bear
-    /// their noise. Rows that would have to be scaled by more than 4 keep [slack](Exchange::slack).
+    /// `lamps` (N flags) marks those whose entries are known better than the others' and are not to bear their noise.
+    /// Rows that would have to be scaled by more than 4 keep [slack](Exchange::slack).
     ///
     /// # Errors
     /// `Cancelled`.
@@ -163,8 +164,10 @@ impl Exchange {
         progress: Progress,
     ) -> Result<Self, Cancelled> {
         let raw = assemble(rows, patches, tone, kind, left_out);
-        let mass = Mass::new(rows.recipe.basis, patches.etendues());
-        Self::balanced(raw, mass, balance::most_scale(Some(rows.recipe.count.rays)), progress)
+        let basis = rows.recipe.basis;
+        let rays = rows.recipe.count.rays / basis.coefficients() as u32;
+        let mass = Mass::new(basis, patches.etendues());
+        Self::balanced(raw, mass, balance::most_scale(Some(rays)), progress)
     }
 
     /// What was balanced before.
@@ -226,8 +229,8 @@ impl Exchange {
     }
 
     /// What rows lack that no scaling could close, as where faces coincide: (M·1)_i less Σ_j S_ij and what
-    /// leaves; N values, in the units of [`Exchange::leaving`], 0 for rows that close. Light that it stands
-    /// for is missing from the answer.
+    /// leaves. N values in the units of [`Exchange::leaving`], 0 for rows that close. The light it stands for
+    /// is missing from the answer.
     pub fn slack(&self) -> &DVector<f64> {
         &self.ends.slack
     }

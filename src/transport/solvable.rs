@@ -1,4 +1,5 @@
-//! Solvability: light must be able to end somewhere.
+//! Solvability: light must be able to end somewhere. Slack does not count: what rows lack is missing from the
+//! numbers, not absorbed in the scene.
 
 use super::{Exchange, Transport};
 

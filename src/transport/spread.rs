@@ -3,8 +3,8 @@
 //! Rays come in independent batches, and exchange areas are the mean of what these found: S = (1/8) Σ_b S_b. So (S_b − S) L is a sample of the
 //! noise in S L. It is taken from the rays themselves, without making S_b. To first order in the noise the scales D follow it: where
 //! a batch's row sums are off by g, balancing puts them right by u with (A + S) u = −g. Of that system, as of what u does to other rows, only what
-//! varies slowly from patch to patch has to be solved, and that is done between a few hundred clusters of patches. Scales of rows with slack are at
-//! their bound and stay there: u = 0.
+//! varies slowly from patch to patch has to be solved, and that is done between a few hundred clusters of
+//! patches. Scales of rows with slack are at their bound and stay there: u = 0.
 //!
 //! Linear elements are taken for constant ones with their means: what light does within a patch changes little of the noise of the whole.
 

@@ -171,7 +171,7 @@ fn a_file_that_does_not_fit_is_refused_with_the_reason() {
     }
     let mut newer = file.clone();
     newer[8] += 1;
-    assert_eq!(refused(&newer, &tracer), FactorsFileError::Version { found: 6 });
+    assert_eq!(refused(&newer, &tracer), FactorsFileError::Version { found: 7 });
     let moved = Scene::new(SceneParts {
         name: "moved".into(),
         vertices: scene.vertices().iter().map(|&p| p * 1.25).collect(),

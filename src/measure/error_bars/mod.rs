@@ -23,15 +23,13 @@ use crate::transport::{FormFactors, Sources};
 pub(super) use mesh::Insight;
 use noise::Noise;
 pub(super) use noise::at_most as noise_at_most;
+pub(super) use slack::at_most as slack_at_most;
 
 /// So much of the scene's relative mesh error every patch and face has: its own may vanish by chance.
 const COMMON: f64 = 0.7;
 
 /// What part of the noise shows in the change that merging patches makes; measured.
 const IN_CHANGE: f64 = 0.25;
-
-/// How many times more than estimated the light may be that slack stands for: where it lies is not known.
-const SLACK_AT_MOST: f64 = 2.0;
 
 /// Student's t for 95 % of one side and 7 degrees of freedom.
 const STUDENT: f64 = 1.895;
@@ -166,7 +164,7 @@ impl ErrorBars {
         let noise_at_most = scatter * noise_at_most(factors.rays(), basis);
         let sure = by_solver + ROUNDING * report.condition;
         let upper95 = (insight.at_most() * by_mesh).hypot(noise_at_most * by_noise)
-            + SLACK_AT_MOST * by_slack
+            + slack_at_most(by_slack)
             + if sure.is_finite() || report.truncated { sure } else { 0.0 };
         // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have, what it may miss, and
         // what is left out.

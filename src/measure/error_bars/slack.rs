@@ -1,8 +1,9 @@
 //! Slack: how much irradiance may be missing where rows of form factors could not be closed.
 //!
-//! Row i lacks s_i of A_i. If what it lacks lies where the rest of the row does, S_ij is too small by the factor
-//! 1 + t_i + t_j, to first order, with t = s/(A − s): the irradiance that is missing is that of π F (t∘L) + t∘(π F L), and
-//! what is reflected of it. That is as symmetric as S is, and puts back just the light that is missing.
+//! Row i lacks s_i of A_i. If what it lacks lies where the rest of the row does, S_ij is too small by the
+//! factor 1 + t_i + t_j, to first order, with t = s/(A − s): the irradiance that is missing is that of π F
+//! (t∘L) + t∘(π F L), and what is reflected of it. That is as symmetric as S is, and puts back just the light
+//! that is missing.
 
 use nalgebra::DMatrix;
 
@@ -21,9 +22,15 @@ const ALL: f64 = 1e-12;
 /// How exactly the reflected part is solved for.
 const ROUGHLY: f64 = 0.01;
 
-/// The irradiance per patch (n × c, W·m⁻²) that may be missing; `None` where rows close. `by_patch` are the form factors with
-/// constant elements, radiance and irradiance means over patches. Rows that see nothing may miss the scene's root mean
-/// square irradiance.
+/// What the error by slack does not exceed where it is estimated so large: where the missing light lies is
+/// not known.
+pub(in crate::measure) fn at_most(estimated: f64) -> f64 {
+    2.0 * estimated
+}
+
+/// The irradiance per patch (n × c, W·m⁻²) that may be missing; `None` where rows close. `by_patch` are the
+/// form factors with constant elements, radiance and irradiance means over patches. Rows that see nothing may
+/// miss the scene's root mean square irradiance.
 pub(super) fn missing(
     patches: &Patches,
     by_patch: &FormFactors,

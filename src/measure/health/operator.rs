@@ -71,8 +71,9 @@ fn closure(exchange: &Exchange, patches: &Patches) -> Finding {
     let verdict = if value < TOLERABLE { Grade::Fair } else { Grade::Bad };
     let remedy = match exchange.closure_error() < ROUNDING {
         true => {
-            "these faces send more than the faces they see send back, and more rays will not help: they lie in one plane with \
-             others, are doubled, or line a closed pocket; delete what is double, or move it off the plane"
+            "these faces send more than the faces they see send back, and more rays will not help: they lie \
+             in one plane with others, are doubled, or line a closed pocket; delete what is double, or move \
+             it off the plane"
         }
         false => "the form factors are damaged: trace them anew",
     };
