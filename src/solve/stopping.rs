@@ -200,7 +200,7 @@ impl<'a> Rule<'a> {
     fn yardstick(&self, irradiance: DVectorView<f64>) -> f64 {
         let mass = self.k.mass();
         let typical = (mass.norm(irradiance).powi(2) / mass.sums().sum().max(f64::MIN_POSITIVE)).sqrt();
-        typical.min(BY_PATCH * irradiance.amin().max(DARK * typical))
+        typical.min(BY_PATCH * irradiance.min().max(DARK * typical))
     }
 }
 
