@@ -1,6 +1,6 @@
 //! `radiosity solve`: the main job.
 
-use radiosity::measure::{self, Answer, Cause, ErrorBars, Slack, Undershoot, Verdict};
+use radiosity::measure::{Answer, Cause, ErrorBars, Slack, Undershoot, Verdict};
 use radiosity::output::{
     self, EnergySummary, Photometry, Quantity, RenderOptions, SeriesSummary, Shading, Summary, Surfaces,
 };
