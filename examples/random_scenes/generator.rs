@@ -338,7 +338,8 @@ impl Making {
             Overlap::FlushLamp => self.lamp(3.0, vec![flat(self.size.y - by)[1]]),
             Overlap::Doubled => {
                 self.add("outer", first, hanging.sides().to_vec());
-                // Of equal ones the first in the file is on top. Cut along the other diagonal, no face is there twice.
+                // Of equal ones the first in the file is on top. Cut along the other diagonal, no face is
+                // there twice.
                 let inner = hanging.grown(DVec3::splat(-by)).sides().map(|[a, b, c, d]| [b, c, d, a]);
                 self.add("inner", second, inner.to_vec());
             }

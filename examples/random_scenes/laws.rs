@@ -17,7 +17,8 @@ use radiosity::transport::{
 
 use super::generator::{Lift, RandomScene};
 
-/// Patches and rays per patch of the answers that are tested; the answers they are held against have 4 times the patches and 16 times the rays.
+/// Patches and rays per patch of the answers that are tested; the answers they are held against have 4 times
+/// the patches and 16 times the rays.
 const BASE: (usize, u32) = (500, 128);
 const FINE: (usize, u32) = (4 * BASE.0, 16 * BASE.1);
 
@@ -180,8 +181,8 @@ impl Solved {
         })
     }
 
-    /// How far the flux on faces is from that of another answer, relative to this one: √(ΣΔΦ²/A) / √(ΣΦ²/A) over all channels and over those faces that
-    /// are wanted. Where a side has no patches there is no light.
+    /// How far the flux on faces is from that of another answer, relative to this one: √(ΣΔΦ²/A) / √(ΣΦ²/A)
+    /// over all channels and over those faces that are wanted. Where a side has no patches there is no light.
     fn distance(&self, other: &Self, is_wanted: impl Fn(usize) -> bool) -> f64 {
         let mut sides: BTreeMap<(usize, Side), [Option<&FaceRow>; 2]> = BTreeMap::new();
         for (k, answer) in [self, other].into_iter().enumerate() {
@@ -249,7 +250,8 @@ fn energy_and_solvers(k: &Transport, sources: &Sources, unit: f64) -> Vec<(Law, 
     broken
 }
 
-/// The share of light that is absorbed or escapes per bounce, the least over channels: emitted power by all that leaves.
+/// The share of light that is absorbed or escapes per bounce, the least over channels: emitted power by all
+/// that leaves.
 fn share_lost(k: &Transport, sources: &Sources, radiance: &DMatrix<f64>) -> f64 {
     let leaves = radiance.column_iter().map(|column| PI * k.mass().sums().dot(&column));
     let shares = sources.flux(k.mass()).into_iter().zip(leaves).map(|(starts, leaves)| starts / leaves);

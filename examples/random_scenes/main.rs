@@ -1,7 +1,8 @@
-//! Laws on random scenes: boxes in a room that intersect, share corners, lie flush, are thin to 10⁻⁶ m, of all materials, under tiny and turned lamps.
+//! Laws on random scenes: boxes in a room that intersect, share corners, lie flush, are thin to 10⁻⁶ m, of
+//! all materials, under tiny and turned lamps.
 //!
-//! Energy adds up, solvers agree, coincident surfaces answer as if one were lifted, and finer answers lie within the error bounds. Exits with an error
-//! where a law is broken.
+//! Energy adds up, solvers agree, coincident surfaces answer as if one were lifted, and finer answers lie
+//! within the error bounds. Exits with an error where a law is broken.
 //!
 //! ```text
 //! cargo run --release --example random_scenes                          # 60 scenes

@@ -62,8 +62,8 @@ impl Tally {
             }
         }
         let mut text = String::from(
-            "feature          scenes refused  warned  solved  energy  energy  agree  lifted   bound  unnamed\n\
-             \x20                                                 direct  iterat.\n",
+            "feature         scenes refused  warned  solved  energy  energy  agree  lifted   bound  unnamed\n\
+             \x20                                                direct  iterat.\n",
         );
         for (name, counts) in rows {
             let counts: Vec<String> = counts.iter().map(|count| format!("{count:7}")).collect();

@@ -1,5 +1,5 @@
-//! Contacts: the lines along which other surfaces touch a face, pass through it, or end so near before it that they shade it as if
-//! they touched it.
+//! Contacts: the lines along which other surfaces touch a face, pass through it, or end so near before it
+//! that they shade it as if they touched it.
 //!
 //! Light changes by a step there, and a patch on both sides of such a line would mix what lies in the light with what lies in the dark, or
 //! with what no light reaches at all, under the foot of a box. A line is an edge of another face, seen along the normal, or where two
@@ -49,7 +49,8 @@ impl<'t> Contacts<'t> {
         Self { tracer, tree, faces }
     }
 
-    /// The lines along which other faces pass through a face, the longest first: one space ends there and another begins.
+    /// The lines along which other faces pass through a face, the longest first: one space ends there and
+    /// another begins.
     pub fn crossings_on(&self, face: usize, flat: &Flat) -> Vec<[DVec2; 2]> {
         let others = self.faces_in(box_around(self.tracer.corners(face), PAD)).into_iter();
         let crossing = |other: usize| {

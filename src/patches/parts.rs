@@ -4,9 +4,9 @@
 //! is left is triangulated with these lines as edges (constrained Delaunay triangulation, by `spade`). Where that comes to nothing a
 //! face stays whole.
 //!
-//! The outlines of what covers a face in its own plane part it exactly, however small it is: a patch is covered or it is not. So do the
-//! lines along which other faces pass through it: a patch lies on one side of a wall or on the other, or light would leak through, and the two
-//! sides of a thin wall are two lines.
+//! The outlines of what covers a face in its own plane part it exactly, however small it is: a patch is
+//! covered or it is not. So do the lines along which other faces pass through it: a patch lies on one side of
+//! a wall or on the other, or light would leak through, and the two sides of a thin wall are two lines.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -29,8 +29,9 @@ const WELD: f64 = 0.05;
 /// The same for the outlines of what covers a face, as a share of its longest side: rounding alone.
 const EXACT_WELD: f64 = 1e-9;
 
-/// Faces whose longest side is no more than this share of the patches' legs stay whole where others pass through them: what leaks by way of them is
-/// little, and in a mesh of many small faces parts would be more than all patches that are asked for.
+/// Faces whose longest side is no more than this share of the patches' legs stay whole where others pass
+/// through them: what leaks by way of them is little, and in a mesh of many small faces parts would be more
+/// than all patches that are asked for.
 const PIERCED: f64 = 1.0 / 16.0;
 
 /// Lines on one face, at most; and once more as many along which others pass through it.
@@ -79,8 +80,8 @@ impl Parts {
         self.0.is_empty()
     }
 
-    /// The parts of a face for patches of legs up to `edge`; none if it stays whole, as every face does that is no larger than a
-    /// patch and that no other covers or passes through.
+    /// The parts of a face for patches of legs up to `edge`; none if it stays whole, as every face does that
+    /// is no larger than a patch and that no other covers or passes through.
     pub fn of(&self, face: usize, edge: f64) -> Option<&[Part]> {
         let place = self.0.binary_search_by_key(&face, |parted| parted.face).ok()?;
         let Parted { longest, is_always, parts, .. } = &self.0[place];
@@ -121,7 +122,8 @@ impl<'t> Parting<'t> {
 }
 
 impl Parts {
-    /// Parts every diffuse face that is longer than `edge`, is covered by another, or that another passes through.
+    /// Parts every diffuse face that is longer than `edge`, is covered by another, or that another passes
+    /// through.
     fn find(tracer: &Tracer, contacts: &Contacts, edge: f64) -> Self {
         let part = |face: usize| {
             let corners = tracer.corners(face);

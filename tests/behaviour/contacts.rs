@@ -110,8 +110,8 @@ fn turned_box(centre: DVec3, half: DVec3, angles: [f64; 3]) -> Vec<Quad> {
 
 #[test]
 fn no_light_gets_into_a_sealed_box_that_boards_pierce() {
-    // A box of 0.5 m in a room of 4 m, of bare sheets or with walls of 1 cm, and four boards of 1 cm through its walls. At 300 patches
-    // every face of a board is smaller than a patch.
+    // A box of 0.5 m in a room of 4 m, of bare sheets or with walls of 1 cm, and four boards of 1 cm through
+    // its walls. At 300 patches every face of a board is smaller than a patch.
     let lamp = ([[1.5, 2.9, 1.5], [2.5, 2.9, 1.5], [2.5, 2.9, 2.5], [1.5, 2.9, 2.5]], 1);
     let (centre, half) = (DVec3::new(2.0, 1.5, 2.0), DVec3::splat(0.25));
     let boards =

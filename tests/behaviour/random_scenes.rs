@@ -1,4 +1,4 @@
-//! Laws on random scenes: the first of those that `cargo run --release --example random_scenes -- --all` tests.
+//! Laws on random scenes: the first of those that the example `random_scenes` tests with `--all`.
 
 #[path = "../../examples/random_scenes/generator.rs"]
 mod generator;

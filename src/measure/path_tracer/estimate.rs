@@ -150,8 +150,9 @@ impl PathTraced {
     /// Degrees of freedom of a patch's standard errors: half of what normal batch means would have, for these are skewed, and chance
     /// makes a small standard error of a few of them more easily.
     ///
-    /// Without photons only as many batches count as bring light in effect, (Σx)²/Σx² of their means x (Kish 1965): where one path in
-    /// thousands finds the light of a patch, what was found by few tells neither its mean nor its standard error.
+    /// Without photons only as many batches count as bring light in effect, (Σx)²/Σx² of their means x (Kish
+    /// 1965): where one path in thousands finds the light of a patch, what was found by few tells neither its
+    /// mean nor its standard error.
     pub fn degrees_of_freedom(&self, patch: usize) -> f64 {
         let of = |half: &Half| match self.photons {
             Some(_) => f64::from(half.batches[patch]),
