@@ -117,7 +117,7 @@ fn direct_light_in_a_closed_room_balances_within_its_noise() {
         let energy = direct_energy(&scene, basis, seed);
         // Two estimates that know nothing of each other: some noise is left, and no more than they say.
         assert!(energy.imbalance != 0.0 && energy.imbalance < 4.0 * energy.imbalance_error, "{energy:?}");
-        assert!(energy.imbalance_error < 0.01, "{energy:?}");
+        assert!(energy.imbalance_error < 0.03, "{energy:?}");
         assert_eq!([energy.escaped[0], energy.carriers[0]], [0.0; 2], "{energy:?}");
     }
 }

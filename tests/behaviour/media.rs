@@ -205,7 +205,7 @@ fn the_matrix_agrees_with_light_paths_where_a_lamp_and_walls_are_in_glass_in_wat
     let k = Transport::of(&factors, &patches).unwrap();
     let solution = solve::solve(&k, &patches.sources(), &SolveOptions::default()).unwrap();
     let options =
-        PathOptions { budget: Budget { paths: Some(1_000_000), ..Budget::default() }, ..Default::default() };
+        PathOptions { budget: Budget { paths: Some(4_000_000), ..Budget::default() }, ..Default::default() };
     let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
     let difference = Difference::new(&solution.irradiance, &traced);
     assert!(difference.bias.abs() < 0.005 + 3.0 * difference.bias_error, "{difference:?}");

@@ -127,6 +127,8 @@ fn meshes() -> Vec<String> {
     paths.into_iter().map(|path| path.display().to_string()).collect()
 }
 
+const METHODS: [Method; 3] = [Method::Direct, Method::ConjugateGradients, Method::Neumann];
+
 #[test]
 fn answers_on_sound_scenes_are_good_and_give_no_reasons() {
     for path in meshes() {
@@ -134,12 +136,17 @@ fn answers_on_sound_scenes_are_good_and_give_no_reasons() {
         for basis in [Basis::Constant, Basis::Linear] {
             for rays in [16, 64] {
                 let mut case = Case::new(&scene, 400, rays, basis);
-                let solution = case.solve(Method::Direct);
+                // Meshes of many faces are not factored here.
+                let (solved, methods) = match case.operator().len() {
+                    ..4000 => (Method::Direct, &METHODS[..]),
+                    _ => (Method::ConjugateGradients, &METHODS[1..]),
+                };
+                let solution = case.solve(solved);
                 let (patches, factors, sources) = (&case.patches, &case.factors, &case.sources);
                 let bars = ErrorBars::of(patches, factors, sources, &solution, Progress::default());
                 case.budget = Some(bars.unwrap().budget);
-                for method in [Method::Direct, Method::ConjugateGradients, Method::Neumann] {
-                    let solution = case.solve(method);
+                for method in methods {
+                    let solution = case.solve(*method);
                     let verdict = case.judge(&solution);
                     assert_eq!(verdict, Verdict::default(), "{path} {basis:?} {rays} {method:?}");
                 }
@@ -279,13 +286,14 @@ fn sides_of_a_lamp_that_changed_places_are_bad() {
 }
 
 #[test]
-fn an_answer_to_a_coarser_tolerance_than_was_asked_for_is_unsolved() {
+fn an_answer_that_does_not_solve_the_equation_is_unsolved() {
     let scene = lit_room();
     let mut case = Case::new(&scene, 400, 64, Basis::Constant);
-    case.tolerance = 1e-3;
-    let rough = case.solve(Method::ConjugateGradients);
-    assert_eq!(case.judge(&rough), Verdict::default(), "as asked for");
-    case.tolerance = 1e-6;
+    case.order = 8;
+    let mut rough = case.solve(Method::Neumann);
+    only(&case.judge(&rough), Cause::Truncation, Level::Truncated);
+    // The same from a solver that claims to have ended by itself.
+    rough.report.truncated = false;
     only(&case.judge(&rough), Cause::Unsolved, Level::Doubtful);
 }
 

@@ -41,10 +41,12 @@ pub(super) fn judge(answer: &Answer) -> Rows {
     let nothing = |patch| Escape { patch, power: vec![0.0; channels], sees_nothing: true };
     let mut escapes: Vec<Escape> = (0..patches.len()).map(nothing).collect();
     let sums_by_tone: Vec<DMatrix<f64>> = operator.factors().exchanges().iter().map(sums).collect();
+    // What a patch receives on average, W·m⁻²: what one that no ray tells of may lack.
+    let mut usual = Vec::with_capacity(channels);
     for c in 0..channels {
         let (exchange, sums) = (operator.exchange_of(c), &sums_by_tone[operator.tone_of(c)]);
         let (areas, slack_of) = (exchange.areas(), exchange.slack());
-        let usual = areas.dot(&solution.irradiance.column(c)) / areas.sum();
+        usual.push(areas.dot(&solution.irradiance.column(c)) / areas.sum());
         for i in 0..operator.len() {
             let face = patches.place(i / each).face;
             let sent = PI * patches.unit_of_area() * solution.radiance[(i, c)].abs();
@@ -52,7 +54,7 @@ pub(super) fn judge(answer: &Answer) -> Rows {
             let unexplained = (lack - slack_of[i]).abs();
             open.add(face, c, sent * unexplained);
             if lack > EMPTY * areas[i] {
-                without_rays.add(face, c, patches.unit_of_area() * areas[i] * usual);
+                without_rays.add(face, c, patches.unit_of_area() * areas[i] * usual[c]);
             } else if unexplained > EXACT * areas[i] {
                 unclosed.add(face, c, sent * unexplained);
             }
@@ -65,11 +67,13 @@ pub(super) fn judge(answer: &Answer) -> Rows {
         }
     }
     let mut escaped = new();
+    let area =
+        |patch: usize| (each * patch..each * (patch + 1)).map(|i| operator.mass().sums()[i]).sum::<f64>();
     for Escape { patch, power, sees_nothing } in enclosed(answer, escapes) {
         let face = patches.place(patch).face;
         for (c, power) in power.into_iter().enumerate() {
             match sees_nothing {
-                true => without_rays.add(face, c, power),
+                true => without_rays.add(face, c, patches.unit_of_area() * area(patch) * usual[c]),
                 false => escaped.add(face, c, power),
             }
         }
@@ -84,7 +88,7 @@ pub(super) fn judge(answer: &Answer) -> Rows {
         judged(&unclosed, Cause::Closure, 0.0),
         judged(&slack, Cause::Slack, DOUBTFUL),
         judged(&escaped, Cause::Escape, DOUBTFUL),
-        judged(&without_rays, Cause::NoRays, 0.0),
+        judged(&without_rays, Cause::NoRays, DOUBTFUL),
     ];
     Rows { reasons: reasons.into_iter().flatten().collect(), open: open.share(emitted) }
 }

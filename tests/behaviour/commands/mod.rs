@@ -300,18 +300,19 @@ fn the_summary_has_the_keys_that_scripts_rely_on() {
     assert!(solution["solver"]["name"].is_string() && solution["solver"]["iterations"].is_u64());
     numbers(&solution["solver"], &["residual", "bound", "condition"]);
     assert!(solution["series"]["order"].is_u64());
-    numbers(&solution["series"], &["residual", "bound", "difference"]);
+    numbers(&solution["series"], &["residual", "remaining_flux", "bound", "difference"]);
+    assert_eq!(solution["verdict"], serde_json::json!({ "level": "good", "reasons": [] }));
     numbers(&solution["closure"], &["before", "after"]);
     assert!(solution["closure"]["iterations"].is_u64());
-    for term in ["emitted", "absorbed", "escaped", "carriers", "lost"] {
+    for term in ["emitted", "absorbed", "escaped", "carriers", "lost", "slack"] {
         let channels = solution["energy"][term].as_array().expect("a list");
         assert_eq!(channels.iter().filter(|x| x.as_f64().is_some_and(|x| x >= 0.0)).count(), 3, "{term}");
         assert_eq!(channels.len(), 3, "{term}");
     }
-    numbers(&solution["energy"], &["imbalance"]);
+    numbers(&solution["energy"], &["imbalance", "imbalance_error"]);
     numbers(&solution["error"], &["relative_rms", "upper95"]);
     let parts = solution["error"]["parts"].as_array().expect("a list");
-    assert_eq!(parts.len(), 5);
+    assert_eq!(parts.len(), 6);
     for part in parts {
         numbers(part, &["value"]);
         assert!(

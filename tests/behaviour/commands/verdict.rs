@@ -8,7 +8,7 @@ use crate::scratch::Scratch;
 /// The cube with a lamp that is there twice.
 fn doubled_lamp() -> Scratch {
     let lamp = "v 0.4 0.5 0.4\nv 0.6 0.5 0.4\nv 0.6 0.5 0.6\nv 0.4 0.5 0.6\n\
-                usemtl lamp\no one\nf 9 10 11 12\no two\nf 9 10 11 12\n";
+                usemtl lamp\no one\nf 9 10 11 12\no two\nf 10 11 12 9\n";
     let mtl = "newmtl wall\nKd .5 .5 .5\nnewmtl last\nKd .5 .5 .5\nnewmtl lamp\nKd 0 0 0\nKe 5 5 5\n";
     let obj = format!("{CUBE}{lamp}");
     Scratch::with(&[("cube.obj", obj.as_str()), ("cube.mtl", mtl)])
