@@ -47,7 +47,7 @@ fn of_kind<'t>(tracer: &'t Tracer, kind: OverlapKind) -> impl Iterator<Item = &'
 /// The area of faces that lie on others with fronts that point the same way.
 pub(super) fn same_front(tracer: &Tracer) -> Finding {
     let found = overlaps(tracer);
-    let area: f64 = found.iter().map(|overlap| overlap.area).sum();
+    let area = found.iter().fold(0.0, |sum, overlap| sum + overlap.area);
     let finding = Finding::good("overlaps", area, Some("m² in one plane, one front"));
     if found.is_empty() {
         return finding;
@@ -68,6 +68,6 @@ pub(super) fn same_front(tracer: &Tracer) -> Finding {
 
 /// The area of faces that lie back to back.
 pub(super) fn back_to_back(tracer: &Tracer) -> Finding {
-    let area = of_kind(tracer, OverlapKind::BackToBack).map(|overlap| overlap.area).sum();
+    let area = of_kind(tracer, OverlapKind::BackToBack).fold(0.0, |sum, overlap| sum + overlap.area);
     Finding::good("back to back", area, Some("m² in one plane"))
 }
