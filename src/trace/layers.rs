@@ -363,7 +363,7 @@ fn overlap([first, second]: [&[DVec3; 3]; 2], normal: DVec3) -> Option<(f64, [f6
         }
     }
     // Tell overlaps from common edges, and planes from slopes.
-    let narrow = (NARROW_SHARE * thin).min(NARROW[0]).max(NARROW[1]);
+    let narrow = (NARROW_SHARE * thin).clamp(NARROW[1], NARROW[0]);
     if thickness(&polygon) <= narrow {
         return None;
     }

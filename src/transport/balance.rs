@@ -449,7 +449,8 @@ mod tests {
         for i in 0..n {
             for _ in 0..each {
                 let j = (number() * n as f64) as usize;
-                let worth = (if i % 10 == 0 || j % 10 == 0 { 0.02 } else { 1.0 } * number()) as f32;
+                let worth = (if [i, j].iter().any(|k: &usize| k.is_multiple_of(10)) { 0.02 } else { 1.0 }
+                    * number()) as f32;
                 entries.add_triplet(i, j, worth);
                 entries.add_triplet(j, i, worth);
             }

@@ -196,7 +196,8 @@ fn evidence(exchange: &Exchange, group_of: &[usize], rays: f64) -> Vec<Vec<(usiz
     let (areas, (storage, scale)) = (exchange.areas(), exchange.raw());
     // A landing adds its worth to what is not balanced yet: sums of that, and of its worth.
     let evidence_of = |(own, members): (usize, &Vec<usize>)| {
-        let (mut totals, mut squares): (Vec<(usize, f64)>, Vec<(usize, f64)>) = Default::default();
+        let mut totals: Vec<(usize, f64)> = Vec::new();
+        let mut squares: Vec<(usize, f64)> = Vec::new();
         let mut add = |to: usize, raw: f64, worth: f64| {
             totals.push((to, raw));
             squares.push((to, raw * worth));

@@ -182,7 +182,7 @@ fn energy_is_kept_with_slack_for_constant_and_linear_elements() {
         let mass = Mass::new(basis, patches.areas());
         let n = mass.len();
         // Every coefficient takes part alike, and some find next to nothing.
-        let found = |i: usize| if (i / each) % 7 == 0 { 0.05 } else { 1.0 };
+        let found = |i: usize| if (i / each).is_multiple_of(7) { 0.05 } else { 1.0 };
         // Light that varies within patches is passed on unmixed, which needs shrinking.
         let entry = |i: usize, j: usize| {
             let area = exact.exchange().exchange_area(i / each, j / each) / each as f64;
