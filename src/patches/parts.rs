@@ -254,6 +254,30 @@ fn along([p, q]: [DVec2; 2], known: [DVec2; 2], weld: f64) -> Option<[f64; 2]> {
     ((to - from) * length > weld && apart(from) <= weld && apart(to) <= weld).then_some([from, to])
 }
 
+/// The pieces into which lines part each other; where two cross, all pieces end at the same point.
+fn split_at_crossings(lines: &[[DVec2; 2]]) -> Vec<[DVec2; 2]> {
+    let mut stops: Vec<Vec<(f64, DVec2)>> = lines.iter().map(|&[p, q]| vec![(0.0, p), (1.0, q)]).collect();
+    for i in 0..lines.len() {
+        for j in 0..i {
+            let ([p, q], [a, b]) = (lines[i], lines[j]);
+            let across = (q - p).perp_dot(b - a);
+            let [here, there] = [(a - p).perp_dot(b - a), (a - p).perp_dot(q - p)].map(|x| x / across);
+            let is_inside = |at: f64| at > 0.0 && at < 1.0;
+            if is_inside(here) && is_inside(there) {
+                let crossing = p.lerp(q, here);
+                stops[i].push((here, crossing));
+                stops[j].push((there, crossing));
+            }
+        }
+    }
+    let mut pieces = Vec::with_capacity(lines.len());
+    for stops in &mut stops {
+        stops.sort_by(|a, b| a.0.total_cmp(&b.0));
+        pieces.extend(stops.windows(2).map(|pair| [pair[0].1, pair[1].1]));
+    }
+    pieces
+}
+
 /// The triangles of a face with these corners and these lines on it, as points of the face; none if there are no lines, or no way.
 fn triangulate(corners: &[DVec2; 3], lines: &[[DVec2; 2]]) -> Option<Vec<[DVec2; 3]>> {
     if lines.is_empty() {
@@ -265,9 +289,11 @@ fn triangulate(corners: &[DVec2; 3], lines: &[[DVec2; 2]]) -> Option<Vec<[DVec2;
         mesh.insert(to_point(corner)).ok()?;
     }
     let insert = |p: DVec2| mesh.insert(to_point(p)).ok();
-    let ends: Vec<_> = lines.as_flattened().iter().copied().map(insert).collect::<Option<_>>()?;
-    for pair in ends.chunks_exact(2) {
-        mesh.add_constraint_and_split(pair[0], pair[1], |crossing| crossing);
+    let pieces = split_at_crossings(lines);
+    let ends: Vec<_> = pieces.as_flattened().iter().copied().map(insert).collect::<Option<_>>()?;
+    for pair in ends.chunks_exact(2).filter(|pair| pair[0] != pair[1]) {
+        // What rounding makes cross another line after all is left out.
+        mesh.try_add_constraint(pair[0], pair[1]);
     }
     let [a, b, c] = *corners;
     let inverse = DMat2::from_cols(b - a, c - a).inverse();

@@ -31,9 +31,8 @@ const NO_HEADWAY: f64 = 1e-12;
 /// part.
 const DARK: f64 = 1e-3;
 
-/// The bound on the relative error of a patch's own irradiance, in units of the tolerance: guaranteed ones of
-/// constant elements, and estimates of linear ones.
-const BY_PATCH: [f64; 2] = [100.0, 10.0];
+/// The relative error of a patch's own irradiance that is allowed, in units of the tolerance.
+const BY_PATCH: f64 = 10.0;
 
 /// Conjugate gradients and their like reduce a residual by so much at a time: what they say of their own
 /// residual holds no longer.
@@ -135,10 +134,9 @@ fn amplify(a: f64, b: f64) -> f64 {
 ///
 /// - π Σ A |r| ≤ t Φ, with the flux Φ = π Σ A E that starts; of lights without area what surfaces reflect of
 ///   theirs, so that this is no laxer than by the flux they emit;
-/// - ‖s‖∞ + π max w ‖r‖∞ ≤ t · min(H_rms, q max(H_min, 10⁻³ H_rms)), with the root mean square and the least
-///   of H: no patch is off by more than t of H_rms, nor by more than q t of its own irradiance, or of
-///   H_rms/1000 where it has less. q = 100 for constant elements, of which dark patches are off by some tenth
-///   of the bound or less, and 10 for linear ones, of which it is an estimate.
+/// - ‖s‖∞ + π max w ‖r‖∞ ≤ t · min(H_rms, 10 max(H_min, 10⁻³ H_rms)), with the root mean square and the least
+///   of H, so that no patch is off by more than t of H_rms, nor by more than 10 t of its own irradiance, or
+///   of H_rms/1000 where it has less.
 ///
 /// What rounding alone leaves is good enough, too: ‖s‖∞ ≤ 10⁻¹⁴ ‖H‖∞.
 pub(super) struct Rule<'a> {
@@ -202,12 +200,7 @@ impl<'a> Rule<'a> {
     fn yardstick(&self, irradiance: DVectorView<f64>) -> f64 {
         let mass = self.k.mass();
         let typical = (mass.norm(irradiance).powi(2) / mass.sums().sum().max(f64::MIN_POSITIVE)).sqrt();
-        let [guaranteed, estimated] = BY_PATCH;
-        let by_patch = match self.amplification.certainty() {
-            Certainty::Guaranteed => guaranteed,
-            Certainty::Estimated => estimated,
-        };
-        typical.min(by_patch * irradiance.min().max(DARK * typical))
+        typical.min(BY_PATCH * irradiance.min().max(DARK * typical))
     }
 }
 
