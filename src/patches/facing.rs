@@ -8,10 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::scene::{FaceState, Scene, Side};
-use crate::trace::{Frame, Tracer};
-
-/// Points no higher than this over a plane lie in it or behind it, normalised lengths.
-const IN_PLANE: f64 = 1e-12;
+use crate::trace::{Frame, IN_PLANE, Tracer};
 
 /// Corners that share a box.
 const CORNERS: usize = 48;
