@@ -192,7 +192,7 @@ impl Patches<'_> {
     fn look_at_lamps(&self, tracer: &Tracer, lamps: &Lamps, slots: &[u32], seed: u64) -> Vec<Option<u32>> {
         let look_from = |&slot: &u32| {
             let facet = self.facet(tracer, slot);
-            let view = lamps.view_from(&facet.corners, facet.normal, &[(facet.centre(), 1.0)]);
+            let view = lamps.view_from(facet.centre(), (&facet.corners, facet.normal));
             let sequence = Stream::LampLooks.sequence(seed, slot, 0);
             (0..LAMP_LOOKS).find_map(|k| {
                 let [s, t, u, v] = sequence.point(k);

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::sampling::uniform_triangle;
-use super::{IN_PLANE, Tracer, can_face};
+use super::{Tracer, can_face, form_factor_between, form_factor_to_triangle};
 use crate::scene::{FaceState, Side};
 
 /// Lamps are the brightest faces that together give this share of the emitted power...
@@ -142,14 +142,29 @@ impl Lamps {
         side == Side::Front && self.lamp_of_face[face] != NONE
     }
 
-    /// How lamps look from a flat surface with these corners and this normal, on average over points with these parts of it. For a
-    /// single point it is its own corner.
-    pub fn view_from(&self, corners: &[DVec3], normal: DVec3, points: &[(DVec3, f64)]) -> LampView {
+    /// How lamps look from a point of a flat surface with these corners and this normal.
+    pub fn view_from(&self, point: DVec3, (corners, normal): (&[DVec3], DVec3)) -> LampView {
+        let from_here = |lamp: &LampFace| form_factor_to_triangle(point, normal, &lamp.corners);
+        self.view(point, (corners, normal), from_here)
+    }
+
+    /// How lamps look from a triangle with this normal, on average.
+    pub fn view_over(&self, corners: &[DVec3; 3], normal: DVec3) -> LampView {
+        let centre = corners.iter().sum::<DVec3>() / 3.0;
+        let from_all = |lamp: &LampFace| form_factor_between((corners, normal), (&lamp.corners, lamp.normal));
+        self.view(centre, (corners, normal), from_all)
+    }
+
+    fn view(
+        &self,
+        centre: DVec3,
+        (corners, normal): (&[DVec3], DVec3),
+        form_factor: impl Fn(&LampFace) -> f64,
+    ) -> LampView {
         if self.faces.len() > MOST_PLACED {
             return LampView { chances: self.by_power.clone(), unoccluded: None };
         }
         let faces = |lamp: &LampFace| can_face((corners, normal), (&lamp.corners, lamp.normal));
-        let centre = points.iter().map(|&(point, part)| part * point).sum();
         if self.faces.len() > MOST_EXACT {
             let chance = |lamp: &LampFace| if faces(lamp) { lamp.estimate(centre, normal) } else { 0.0 };
             let chances = accumulate(self.faces.iter().map(chance));
@@ -160,8 +175,7 @@ impl Lamps {
             if !faces(lamp) {
                 return 0.0;
             }
-            let from = |&(p, part): &(DVec3, f64)| part * form_factor_to_triangle(p, normal, &lamp.corners);
-            let contribution = lamp.brightness * points.iter().map(from).sum::<f64>();
+            let contribution = lamp.brightness * form_factor(lamp);
             unoccluded += contribution;
             // Leave some chance to what other points of the surface may see.
             contribution + 0.05 * lamp.estimate(centre, normal)
@@ -250,51 +264,6 @@ impl LampFace {
     }
 }
 
-/// Form factor from a point with a normal to the front of a triangle, where nothing stands in between: Lambert's formula
-/// (1760), (1/2π) Σ θ_k n·Γ_k over the edges of what is above the horizon. 0 where the triangle can't be faced, see [`can_face`].
-pub fn form_factor_to_triangle(point: DVec3, normal: DVec3, corners: &[DVec3; 3]) -> f64 {
-    let [a, b, c] = corners.map(|corner| corner - point);
-    let across = (b - a).cross(c - a);
-    let is_above = |corner: DVec3| normal.dot(corner) > IN_PLANE;
-    if -across.dot(a) <= IN_PLANE * across.length() || ![a, b, c].into_iter().any(is_above) {
-        return 0.0;
-    }
-    // Clip at the horizon: at most four corners remain.
-    let mut seen = [DVec3::ZERO; 4];
-    let mut count = 0;
-    for (from, to) in [(a, b), (b, c), (c, a)] {
-        let (high, next) = (normal.dot(from), normal.dot(to));
-        if high > 0.0 {
-            seen[count] = from;
-            count += 1;
-        }
-        if (high > 0.0) != (next > 0.0) {
-            seen[count] = from + (to - from) * (high / (high - next));
-            count += 1;
-        }
-    }
-    let seen = &seen[..count];
-    let edge = |k: usize| {
-        let (from, to) = (seen[k], seen[(k + 1) % count]);
-        let across = from.cross(to);
-        let length = across.length();
-        if length == 0.0 { 0.0 } else { length.atan2(from.dot(to)) * normal.dot(across) / length }
-    };
-    // Seen from the front, the corners run clockwise around the view.
-    (-(0..count).map(edge).sum::<f64>() * 0.5 * FRAC_1_PI).max(0.0)
-}
-
-/// cos θ cos θ′ / (π r²) between two points with their normals: the form factor per unit of area there; 0 where they can't face each
-/// other, see [`can_face`].
-#[inline]
-pub fn geometry_term((p, normal): (DVec3, DVec3), (q, other): (DVec3, DVec3)) -> f64 {
-    let between = q - p;
-    let squared = between.length_squared();
-    let (here, there) = (normal.dot(between), -other.dot(between));
-    // The products are the heights of either point over the other's plane.
-    if here.min(there) <= IN_PLANE { 0.0 } else { here * there * FRAC_1_PI / (squared * squared) }
-}
-
 fn bounds(cumulative: &[f64], k: usize) -> (f64, f64) {
     (if k == 0 { 0.0 } else { cumulative[k - 1] }, cumulative[k])
 }
@@ -318,6 +287,7 @@ fn accumulate(weights: impl Iterator<Item = f64>) -> Arc<[f64]> {
 mod tests {
     use super::*;
     use crate::scene::Scene;
+    use crate::trace::geometry_term;
     use crate::trace::sampling::Stream;
 
     #[test]
@@ -326,7 +296,7 @@ mod tests {
         let tracer = Tracer::new(&scene);
         let lamps = Lamps::new(&tracer);
         for (p, normal) in [(DVec3::new(0.3, -0.9, 0.2), DVec3::Y), (DVec3::new(-0.9, 0.7, 0.1), DVec3::X)] {
-            let view = lamps.view_from(&[p], normal, &[(p, 1.0)]);
+            let view = lamps.view_from(p, (&[p], normal));
             let n = 1 << 14;
             let sampled: f64 = (0..n)
                 .map(|k| {
@@ -339,30 +309,6 @@ mod tests {
                 .sum();
             let exact = view.unoccluded.unwrap();
             assert!((sampled / exact - 1.0).abs() < 2e-3, "{sampled} {exact}");
-        }
-    }
-
-    #[test]
-    fn lamberts_formula_is_the_integral_of_the_geometry_term() {
-        let n = 1 << 14;
-        for place in 0..40 {
-            let random = |k: u32| Stream::Callers.sequence(8, place, 0).point(k).map(|x| 2.0 * x - 1.0);
-            let corners = [0, 1, 2].map(|k| DVec3::from_slice(&random(k)) + 1.2 * DVec3::Z);
-            let [a, b, c] = corners;
-            let area = 0.5 * (b - a).cross(c - a).length();
-            let [x, y, z, _] = random(3);
-            let normal = DVec3::new(x, y, z).normalize();
-            let facing = (b - a).cross(c - a).normalize();
-            let integral: f64 = (0..n)
-                .map(|k| {
-                    let [u, v, ..] = Stream::Callers.sequence(6, place, 0).point(k);
-                    let [s, t] = uniform_triangle([u, v]);
-                    let q = a + (b - a) * s + (c - a) * t;
-                    geometry_term((DVec3::ZERO, normal), (q, facing)) * area / n as f64
-                })
-                .sum();
-            let exact = form_factor_to_triangle(DVec3::ZERO, normal, &corners);
-            assert!((integral - exact).abs() < 1e-3 * (0.1 + exact), "{place}: {integral} {exact}");
         }
     }
 

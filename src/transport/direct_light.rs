@@ -102,7 +102,7 @@ impl Look<'_> {
         let scene: &Scene = self.tracer.scene();
         let slot = self.patches.slot_of_patch(patch);
         let facet = self.patches.facet(self.tracer, slot);
-        let view = self.lamps.view_from(&facet.corners, facet.normal, &[(facet.centre(), 1.0)]);
+        let view = self.lamps.view_over(&facet.corners, facet.normal);
         let worth = self.patches.areas()[patch] / f64::from(self.pairs);
         let (sequence, stretch) = Stream::DirectLight.stretch(self.seed, slot, 0, self.pairs);
         let first = stretch.start;

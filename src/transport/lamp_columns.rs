@@ -2,7 +2,7 @@
 //!
 //! M points x on the patch are paired with points y drawn on lamps with density p. A pair with geometry term g and emitted
 //! radiance Lₑ weighs w = Lₑ g/p, whether or not its points see each other; the mean weight estimates what Lambert's formula gives
-//! exactly, the unoccluded light U, averaged over the patch by a rule of few points. So each pair on lamp patch j whose points do see each other is worth
+//! exactly, the unoccluded light U, averaged over the patch. So each pair on lamp patch j whose points do see each other is worth
 //!
 //! (U / Σw) · g/p
 //!
@@ -15,27 +15,11 @@
 
 use crate::patches::{Basis, Facet, Patches};
 use crate::scene::Side;
-use crate::trace::sampling::{self, RulePoint, Stream};
+use crate::trace::sampling::{self, Stream};
 use crate::trace::{Lamps, Tracer, geometry_term};
 
 use super::landing::Spot;
 use super::recipe::{BATCHES, Recipe};
-
-/// Pairs for each point under Lambert's formula, at least where they are many.
-const PAIRS_PER_POINT: usize = 8;
-
-/// With more lamps than this, Lambert's formula is averaged over three points of a patch.
-const LAMPS_AT_FULL: usize = 64;
-
-/// Where on a patch Lambert's formula is taken. Not by chance: what all batches share their spread would not tell.
-pub(super) fn points_for(lamps: &Lamps, lamp_rays: u32) -> Vec<RulePoint> {
-    if lamps.len() > LAMPS_AT_FULL {
-        return sampling::TRIANGLE_RULE_3.to_vec();
-    }
-    let rule = sampling::TRIANGLE_RULE_7;
-    let rows = (lamp_rays as usize / (PAIRS_PER_POINT * rule.len())).isqrt();
-    sampling::composite_rule(&rule, rows.max(1))
-}
 
 /// What a batch found of the form factor to a lamp patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,18 +62,16 @@ struct Pair {
     arriving: f64,
 }
 
-/// The form factors from the facet of `slot` to lamps. `points` are [`points_for`] them; `hits` are the rays that landed on lamps.
+/// The form factors from the facet of `slot` to lamps. `hits` are the rays that landed on lamps.
 pub(super) fn look_at_lamps(
     tracer: &Tracer,
     patches: &Patches,
-    (lamps, points): (&Lamps, &[RulePoint]),
+    lamps: &Lamps,
     (slot, facet): (u32, Facet),
     hits: impl Iterator<Item = Seen>,
     Recipe { count, seed, basis }: Recipe,
 ) -> Look {
-    let [a, b, c] = facet.corners;
-    let points: Vec<_> = points.iter().map(|&([u, v], part)| (a + (b - a) * u + (c - a) * v, part)).collect();
-    let view = lamps.view_from(&facet.corners, facet.normal, &points);
+    let view = lamps.view_over(&facet.corners, facet.normal);
     // Draw the pairs, and see which are visible.
     let mut pairs = Vec::with_capacity(count.lamp_rays as usize);
     let mut bright = [0.0; BATCHES as usize];

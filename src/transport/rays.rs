@@ -8,7 +8,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::caustics::Caustics;
-use super::lamp_columns::{Look, Seen, look_at_lamps, points_for};
+use super::lamp_columns::{Look, Seen, look_at_lamps};
 use super::landing::{End, Spot};
 use super::recipe::{BATCHES, Recipe};
 use super::switches::Shots;
@@ -16,7 +16,7 @@ use super::tones::{Survivors, Tones};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
-use crate::trace::sampling::{self, RulePoint, Sequence, Stream};
+use crate::trace::sampling::{self, Sequence, Stream};
 use crate::trace::{Destination, Hit, Lamps, Ray, Tint, Tracer};
 
 /// Rows between two reports of progress.
@@ -27,16 +27,13 @@ struct Goals {
     lamps: Lamps,
     /// Ascending, a range per lamp face.
     slots: Vec<Range<u32>>,
-    /// Where on a patch their light is taken by Lambert's formula.
-    points: Vec<RulePoint>,
 }
 
 impl Goals {
     fn new(tracer: &Tracer, patches: &Patches, recipe: Recipe) -> Self {
         let lamps = Lamps::of_interest(tracer, recipe.count.lamp_rays);
         let slots = lamps.faces().map(|face| patches.slots_of(face as usize, Side::Front)).collect();
-        let points = points_for(&lamps, recipe.count.lamp_rays);
-        Self { lamps, slots, points }
+        Self { lamps, slots }
     }
 
     /// What lamps find of patches by way of carriers.
@@ -271,7 +268,7 @@ fn look_for_lamps(tracer: &Tracer, patches: &Patches, goals: &Goals, row: &mut R
         }
         let facet = patches.facet(tracer, row.slot);
         let hits = hits.into_iter().map(|(_, seen)| seen);
-        look_at_lamps(tracer, patches, (&goals.lamps, &goals.points), (row.slot, facet), hits, recipe)
+        look_at_lamps(tracer, patches, &goals.lamps, (row.slot, facet), hits, recipe)
     };
 }
 

@@ -107,7 +107,7 @@ struct Gather<'a, 's> {
 impl Gather<'_, '_> {
     /// The row of a point, for each tone; adds what its rays find of the sky by way of carriers to its direct light.
     fn row(&self, point: DVec3, place: u32, direct: &mut [f64]) -> Vec<Vec<(u32, f64)>> {
-        let view = self.lamps.view_from(&[point], self.normal, &[(point, 1.0)]);
+        let view = self.lamps.view_from(point, (&[point], self.normal));
         let frame = frame_around(self.normal);
         let rays = f64::from(self.rays);
         // Density of all samples on a lamp's point, per unit of normalised area: rays find it with density g, lamp samples with p.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::front::front;
+use super::front::{SAME_TIME, front};
 use super::reference::StudyReference;
 use super::row::{Reading, StudyRow, StudySolver};
 use super::trend::{Slope, Trend};
@@ -88,9 +88,6 @@ pub enum Turn {
     Order,
 }
 
-/// Times that differ by less than this factor are alike.
-const AS_QUICK: f64 = 1.05;
-
 impl Conclusions {
     /// Looks at all rows.
     pub fn new(rows: &[StudyRow], reference: &StudyReference) -> Self {
@@ -105,7 +102,9 @@ impl Conclusions {
         let target = |accuracy: f64| {
             let enough = |row: &StudyRow| matrix(row) && row.reading().most() <= accuracy;
             let quickest = front(rows, enough).first().copied()?;
-            let as_quick = |row: &StudyRow| row.seconds <= AS_QUICK * rows[quickest].seconds;
+            let seconds = rows.iter().filter(|row| enough(row)).map(|row| row.seconds);
+            let least = seconds.fold(f64::INFINITY, f64::min);
+            let as_quick = |row: &StudyRow| row.seconds <= SAME_TIME * least;
             let to_the_end = |row: &StudyRow| row.solver == StudySolver::Cg && enough(row) && as_quick(row);
             let row = rows.iter().position(to_the_end).unwrap_or(quickest);
             // Light paths err as 1/√time; the fitted slope is only there to be looked at.
@@ -302,7 +301,7 @@ mod tests {
         assert!(found.targets.len() >= 3);
         for target in &found.targets {
             assert!(all[target.row].reading().most() <= target.accuracy);
-            let quicker = all.iter().filter(|row| AS_QUICK * row.seconds < all[target.row].seconds);
+            let quicker = all.iter().filter(|row| SAME_TIME * row.seconds < all[target.row].seconds);
             assert!(quicker.filter(|row| row.error <= target.accuracy).count() == 0);
         }
         let best = found.best.unwrap();

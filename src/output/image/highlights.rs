@@ -21,7 +21,7 @@ impl Views {
         let known = self.0.iter().position(|&(face, side, _)| (face, side) == key);
         let k = known.unwrap_or_else(|| {
             let (corners, normal) = (tracer.corners(key.0 as usize), tracer.normal(key.0 as usize, key.1));
-            self.0.push((key.0, key.1, lamps.view_from(corners, normal, &[(point, 1.0)])));
+            self.0.push((key.0, key.1, lamps.view_from(point, (corners, normal))));
             self.0.len() - 1
         });
         &self.0[k].2
