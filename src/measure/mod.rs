@@ -9,7 +9,6 @@ mod energy;
 mod error_bars;
 mod health;
 mod path_tracer;
-mod slack;
 mod study;
 mod undershoot;
 mod verdict;
@@ -29,7 +28,7 @@ pub use health::{
     Finding, FrontDoubt, Grade, ObjectOverlap, front_doubts, mesh_health, operator_health, overlaps,
 };
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
-pub use slack::{FaceSlack, Slack};
+
 pub use study::{
     Cell, Conclusions, FaceError, Grid, LeftOut, OrderTrend, Reading, ReferenceSide, Slope, Solving, Study,
     StudyOptions, StudyReference, StudyRow, StudySolver, Target, Trend, Turn, Want,

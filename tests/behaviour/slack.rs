@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use nalgebra::{DMatrix, DVector};
-use radiosity::measure::{Energy, ErrorBars, ErrorPart, Grade, Slack, operator_health};
+use radiosity::measure::{Answer, Cause, Energy, ErrorBars, ErrorPart, Grade, Verdict, operator_health};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Material, Scene};
@@ -139,13 +139,20 @@ fn missing_light_is_named_and_within_the_error_bars_of_what_sees_it() {
     let (_, truth) = solved(&patches, &exact);
     let (sources, solution) = solved(&patches, &damaged);
     let k = Transport::of(&damaged, &patches).unwrap();
-    let slack = Slack::of(&patches, &k, &sources, &solution.radiance);
-    assert!(slack.faces.len() == 1 && slack.faces[0].face == 0 && slack.faces[0].area_share > 0.1);
-    let energy = Energy::of(&k, &sources, &solution.radiance, 1.0);
-    assert!((energy.slack[0] / energy.emitted[0] - slack.power_share).abs() < 1e-12);
-    assert!(slack.warning(&scene).is_some_and(|warning| warning.contains("(face 0")));
-    let of_sound = Slack::of(&patches, &Transport::of(&exact, &patches).unwrap(), &sources, &truth.radiance);
-    assert!(of_sound == Slack::default() && of_sound.warning(&scene).is_none());
+    let energy = Energy::of(&k, &sources, &solution.radiance, patches.unit_of_area());
+    let judged = |k: &Transport, solution: &Solution, energy: &Energy| {
+        let tracer = &Tracer::new(&scene);
+        let (patches, sources) = (&patches, &sources);
+        let (operator, budget, tolerance) = (k, None, 1e-6);
+        Verdict::of(&Answer { tracer, patches, operator, sources, solution, energy, budget, tolerance })
+    };
+    let verdict = judged(&k, &solution, &energy);
+    let [reason] = &verdict.reasons[..] else { panic!("one reason: {verdict:?}") };
+    assert!(reason.cause == Cause::Slack && reason.faces == [0], "{reason:?}");
+    assert!((energy.slack[0] / energy.emitted[0] - reason.power_share.unwrap()).abs() < 1e-6, "{reason:?}");
+    let sound = Transport::of(&exact, &patches).unwrap();
+    let energy_of_sound = Energy::of(&sound, &sources, &truth.radiance, patches.unit_of_area());
+    assert!(judged(&sound, &truth, &energy_of_sound).reasons.is_empty());
 
     let bars = ErrorBars::of(&patches, &damaged, &sources, &solution, Progress::default()).unwrap();
     let sound = ErrorBars::of(&patches, &exact, &sources, &truth, Progress::default()).unwrap();

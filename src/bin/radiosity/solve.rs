@@ -1,6 +1,6 @@
 //! `radiosity solve`: the main job.
 
-use radiosity::measure::{Answer, Cause, Energy, ErrorBars, Slack, Undershoot, Verdict};
+use radiosity::measure::{Answer, Energy, ErrorBars, Undershoot, Verdict};
 use radiosity::output::{
     self, EnergySummary, Photometry, Quantity, RenderOptions, SeriesSummary, Shading, Summary, Surfaces,
 };
@@ -172,11 +172,6 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     }
     args.picture.write(&picture, &mut outputs)?;
 
-    // The verdict names what is missing where it is a notable part of all power.
-    let slack = Slack::of(&patches, &k, &sources, &solution.radiance).warning(&scene);
-    if verdict.reasons.iter().all(|reason| reason.cause != Cause::Slack) {
-        slack.iter().for_each(|warning| terminal.warn(warning));
-    }
     let summary = Summary {
         scene: scene.name().to_owned(),
         version: env!("CARGO_PKG_VERSION"),
@@ -197,7 +192,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         undershoot: Undershoot::of(k.mass(), &solution.radiance),
         error: bars.budget.clone(),
         steps,
-        warnings: scene.warnings().iter().cloned().chain(slack).collect(),
+        warnings: scene.warnings().to_vec(),
         verdict,
     };
     outputs.file("solution.json", |file| output::write_summary(file, &summary))?;

@@ -153,31 +153,32 @@ pub(super) fn imbalance(answer: &Answer, explained: f64) -> Option<Reason> {
 /// Faces that others in their plane with the same front cover.
 pub(super) fn overlaps(answer: &Answer) -> Option<Reason> {
     let overlaps = answer.tracer.overlaps().iter().filter(|overlap| overlap.kind == OverlapKind::SameFront);
-    let faces: Vec<usize> = overlaps.flat_map(|overlap| overlap.faces).map(|face| face as usize).collect();
-    listed(answer, Cause::Overlap, Level::Good, &faces)
+    let faces = overlaps.flat_map(|overlap| overlap.faces).map(|face| face as usize);
+    listed(answer, Cause::Overlap, Level::Good, faces.collect())
 }
 
 /// Sides of faces whose rays to and fro find different amounts of light.
 pub(super) fn directions(answer: &Answer) -> Option<Reason> {
     let pairs = answer.operator.factors().disagreements().iter();
-    let faces: Vec<usize> = pairs.flat_map(|pair| pair.sides).map(|(face, _)| face).collect();
-    listed(answer, Cause::Directions, Level::Doubtful, &faces)
+    let faces = pairs.flat_map(|pair| pair.sides).map(|(face, _)| face);
+    listed(answer, Cause::Directions, Level::Doubtful, faces.collect())
 }
 
-/// What is known of some faces, with the light that arrives there.
-fn listed(answer: &Answer, cause: Cause, level: Level, faces: &[usize]) -> Option<Reason> {
+/// What is known of some faces, with the part of all light that arrives there.
+fn listed(answer: &Answer, cause: Cause, level: Level, mut faces: Vec<usize>) -> Option<Reason> {
     if faces.is_empty() {
         return None;
     }
+    faces.sort_unstable();
+    faces.dedup();
     let each = answer.operator.basis().coefficients();
     let is_listed = |i: usize, _| faces.binary_search(&answer.patches.place(i / each).face).is_ok();
-    let arriving = places::power(answer, &answer.solution.irradiance, 1.0, is_listed);
-    let share = arriving.share(&answer.energy.emitted);
+    let irradiance = &answer.solution.irradiance;
+    let arriving = places::power(answer, irradiance, 1.0, is_listed);
+    let share = arriving.share(places::power(answer, irradiance, 1.0, |_, _| true).by_channel());
     let mut named = arriving.faces();
     // Those without light, as what is covered whole, come last.
-    let mut dark: Vec<usize> = faces.iter().copied().filter(|face| !named.contains(face)).collect();
-    dark.sort_unstable();
-    dark.dedup();
-    named.extend(dark);
+    faces.retain(|face| !named.contains(face));
+    named.extend(faces);
     Some(Reason::new(cause, level, Some(share), named, answer.tracer.scene()))
 }

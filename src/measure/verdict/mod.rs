@@ -162,8 +162,8 @@ pub struct Reason {
     pub faces: Vec<usize>,
     /// Names of their objects, in the same order, each once.
     pub objects: Vec<String>,
-    /// The part of the emitted power that is concerned, in the channel where it is largest; none where that
-    /// can't be told.
+    /// The part of the emitted power that is concerned, or, of faces that are only known to overlap or disagree,
+    /// of all light that arrives anywhere; in the channel where it is largest. None where that can't be told.
     pub power_share: Option<f64>,
     /// What to do about it.
     pub remedy: &'static str,
@@ -188,7 +188,11 @@ impl std::fmt::Display for Reason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.cause.name())?;
         if let Some(share) = self.power_share {
-            write!(f, ": {} of the power", places::percent(share))?;
+            let whole = match self.cause {
+                Cause::Overlap | Cause::Directions => "light",
+                _ => "power",
+            };
+            write!(f, ": {} of the {whole}", places::percent(share))?;
         }
         let numbers: Vec<String> = self.faces.iter().map(usize::to_string).collect();
         if !numbers.is_empty() {

@@ -28,10 +28,15 @@ impl Places {
         self.by_face.is_empty()
     }
 
-    /// The part of the emitted power, in the channel where it is largest.
-    pub fn share(&self, emitted: &[f64]) -> f64 {
-        let share = |(power, &emitted): (&f64, &f64)| if emitted > 0.0 { power / emitted } else { 0.0 };
-        self.by_channel.iter().zip(emitted).map(share).fold(0.0, f64::max)
+    /// By channel, of all faces.
+    pub fn by_channel(&self) -> &[f64] {
+        &self.by_channel
+    }
+
+    /// The part of a whole by channel, such as the emitted power, in the channel where it is largest.
+    pub fn share(&self, whole: &[f64]) -> f64 {
+        let share = |(power, &whole): (&f64, &f64)| if whole > 0.0 { power / whole } else { 0.0 };
+        self.by_channel.iter().zip(whole).map(share).fold(0.0, f64::max)
     }
 
     /// The faces, those with the most power first.

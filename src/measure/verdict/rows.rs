@@ -1,5 +1,6 @@
 //! Rows: whether rows of form factors sum to 1 with what leaves, and whether what leaves can.
 
+use std::collections::{HashMap, HashSet};
 use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
@@ -13,6 +14,9 @@ use crate::transport::Exchange;
 /// The most solid angles that are summed to find what is inside closed surfaces; patches with the most
 /// escaping power come first.
 const MOST_ANGLES: usize = 2_000_000;
+
+/// Faces that lack more than this part of what they exchange are told, however little power that is.
+const NOTABLE: f64 = 1e-3;
 
 /// A row that lacks more than this part of its area has neither exchange nor escape.
 const EMPTY: f64 = 1.0 - 1e-9;
@@ -84,13 +88,36 @@ pub(super) fn judge(answer: &Answer) -> Rows {
             if places.is_empty() { Level::Good } else { Level::of_share(places.share(emitted), allowed) };
         (level > Level::Good).then(|| places.reason(answer, cause, level))
     };
+    let short = || {
+        let short = short_faces(answer);
+        let faces: Vec<usize> = slack.faces().into_iter().filter(|face| short.contains(face)).collect();
+        let share = Some(slack.share(emitted));
+        (!faces.is_empty())
+            .then(|| Reason::new(Cause::Slack, Level::Good, share, faces, answer.tracer.scene()))
+    };
     let reasons = [
         judged(&unclosed, Cause::Closure, 0.0),
-        judged(&slack, Cause::Slack, DOUBTFUL),
+        judged(&slack, Cause::Slack, DOUBTFUL).or_else(short),
         judged(&escaped, Cause::Escape, DOUBTFUL),
         judged(&without_rays, Cause::NoRays, DOUBTFUL),
     ];
     Rows { reasons: reasons.into_iter().flatten().collect(), open: open.share(emitted) }
+}
+
+/// The faces that lack a notable part of what they exchange.
+fn short_faces(answer: &Answer) -> HashSet<usize> {
+    let Answer { patches, operator, .. } = *answer;
+    let each = operator.basis().coefficients();
+    let of_channel = |c: usize| {
+        let exchange = operator.exchange_of(c);
+        let mut slack_and_area: HashMap<usize, [f64; 2]> = HashMap::new();
+        for (i, (slack, area)) in exchange.slack().iter().zip(exchange.areas()).enumerate() {
+            let [lack, all] = slack_and_area.entry(patches.place(i / each).face).or_default();
+            (*lack, *all) = (*lack + slack, *all + area);
+        }
+        slack_and_area.into_iter().filter(|(_, [lack, all])| *lack > NOTABLE * all).map(|(face, _)| face)
+    };
+    (0..operator.channels()).flat_map(of_channel).collect()
 }
 
 /// Σ_j S_ij.
