@@ -41,6 +41,7 @@ mod spread;
 mod storage;
 mod switches;
 mod tones;
+mod variation;
 
 pub use agreement::{DISAGREE, Disagreement};
 pub use balance::Closure;

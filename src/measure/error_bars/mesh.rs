@@ -1,5 +1,7 @@
 //! Mesh error: what the size of patches does to the answer, told from what larger ones would have done.
 //!
+//! Where patches are as large as their faces nothing can be merged. What rays found of light within these patches tells what it changes elsewhere.
+//!
 //! Some five patches at a time are merged, and the scene is solved with what the larger patches exchange: no new rays, and the noise of those that
 //! there are is in both answers. Where error falls in proportion to the edge, and errors on the two cuts are not alike in sign, as along the edges of
 //! shadows, the change is √5 times the error that is left; where they are alike, as around corners, no more than twice.
@@ -68,10 +70,23 @@ impl Insight {
     }
 }
 
+/// Patches of clusters with fewer patches than this tell by what varies within them.
+const FEW: usize = 3;
+
 /// How exactly the change is solved for, as a part of it.
 const ROUGHLY: f64 = 0.01;
 
-/// How far irradiance per patch (n × c, W·m⁻²) may be off, with the sign in which coarser elements change it; and how much that tells. `by_patch` are
+/// What is known of the mesh error.
+pub(super) struct MeshError {
+    /// How far irradiance per patch (n × c, W·m⁻²) may be off, with the sign in which coarser elements change it.
+    pub by_merging: DMatrix<f64>,
+    /// What light that varies within patches that can't be merged changes, as either half of the rays has it; nothing for linear elements.
+    pub by_variation: [DMatrix<f64>; 2],
+    /// How much this tells.
+    pub insight: Insight,
+}
+
+/// How far irradiance may be off by the size of patches. `by_patch` are
 /// the form factors with constant elements, radiance and irradiance means over patches, those of the given
 /// order where the series was truncated.
 pub(super) fn mesh_error(
@@ -80,15 +95,41 @@ pub(super) fn mesh_error(
     sources: &Sources,
     [radiance, irradiance]: [&DMatrix<f64>; 2],
     order: Option<usize>,
-) -> Result<(DMatrix<f64>, Insight), MeasureError> {
+) -> Result<MeshError, MeasureError> {
     let basis = factors.basis();
     let light: Vec<f64> = irradiance.row_iter().map(|row| row.sum()).collect();
     let clusters = patches.clusters(together(basis), Some(&light));
-    let change = changed_by(patches, &clusters, by_patch, (basis, sources), ([radiance, irradiance], order))?;
+    let merged_factors = by_patch.merged(&clusters.of_patch, clusters.count);
+    let k = Transport::new(&merged_factors, Reflection::of(patches).merged(patches, &clusters))?;
+    let change = changed_by(patches, &clusters, &k, (basis, sources), ([radiance, irradiance], order))?;
+    let by_variation = match basis {
+        Basis::Constant => varied(patches, &clusters, (factors, &k), radiance)?,
+        Basis::Linear => [0; 2].map(|_| DMatrix::zeros(radiance.nrows(), radiance.ncols())),
+    };
     let merged = patches.len() as f64 / clusters.count as f64;
     let insight =
         Insight { basis, merged, is_focused: factors.has_caustics() && has_curved_carriers(patches) };
-    Ok((patches.spread_over(&clusters, &(remains(basis, merged) * change)), insight))
+    let by_merging = patches.spread_over(&clusters, &(remains(basis, merged) * change));
+    Ok(MeshError { by_merging, by_variation, insight })
+}
+
+/// What light that varies within patches of small clusters changes, all reflections of it included.
+fn varied(
+    patches: &Patches,
+    clusters: &Clusters,
+    (factors, k): (&FormFactors, &Transport),
+    radiance: &DMatrix<f64>,
+) -> Result<[DMatrix<f64>; 2], MeasureError> {
+    let mut size = vec![0; clusters.count];
+    clusters.of_patch.iter().for_each(|&cluster| size[cluster] += 1);
+    let some: Vec<usize> = (0..patches.len()).filter(|&i| size[clusters.of_patch[i]] < FEW).collect();
+    let [first, second] = factors.varied(patches, radiance, &some)?;
+    let with_reflections = |straight: DMatrix<f64>| -> Result<DMatrix<f64>, MeasureError> {
+        let reflected = k.reflect(&patches.average_by(clusters, &straight));
+        let more = k.irradiance(&roughly(k, &reflected, ROUGHLY, Progress::default())?);
+        Ok(straight + patches.spread_over(clusters, &more))
+    };
+    Ok([with_reflections(first)?, with_reflections(second)?])
 }
 
 /// Whether surfaces that pass light on undiffused face more than a few ways.
@@ -106,13 +147,11 @@ fn has_curved_carriers(patches: &Patches) -> bool {
 fn changed_by(
     patches: &Patches,
     clusters: &Clusters,
-    by_patch: &FormFactors,
+    k: &Transport,
     (basis, sources): (Basis, &Sources),
     ([radiance, irradiance], order): ([&DMatrix<f64>; 2], Option<usize>),
 ) -> Result<DMatrix<f64>, MeasureError> {
-    let merged = by_patch.merged(&clusters.of_patch, clusters.count);
     let mean = |field: &DMatrix<f64>| patches.average_by(clusters, field);
-    let k = Transport::new(&merged, Reflection::of(patches).merged(patches, clusters))?;
     let sources = Sources {
         emitted: mean(&basis.means(&sources.emitted)),
         direct: sources.direct.as_ref().map(|direct| mean(&basis.means(direct))),
@@ -120,13 +159,13 @@ fn changed_by(
         carried: None,
         lamps: None,
     };
-    let e = sources.right_hand_side(&k);
+    let e = sources.right_hand_side(k);
     let on_clusters = match order {
         // What is known is nearly right: only what it lacks is solved for, and that need not be exact.
         None => {
             let known = mean(radiance);
             let lacking = e + k.reflect(&k.irradiance(&known)) - &known;
-            k.irradiance(&(known + roughly(&k, &lacking, ROUGHLY, Progress::default())?))
+            k.irradiance(&(known + roughly(k, &lacking, ROUGHLY, Progress::default())?))
         }
         Some(order) => {
             let nothing = DMatrix::zeros(k.len(), k.channels());

@@ -21,12 +21,16 @@ use crate::progress::Progress;
 use crate::solve::{Certainty, Solution};
 use crate::transport::{FormFactors, Sources};
 pub(super) use mesh::Insight;
+use mesh::MeshError;
 use noise::Noise;
 pub(super) use noise::at_most as noise_at_most;
 pub(super) use slack::at_most as slack_at_most;
 
 /// So much of the scene's relative mesh error every patch and face has: its own may vanish by chance.
 const COMMON: f64 = 0.7;
+
+/// How many times what linear variation within patches changes all variation does.
+const VARIED: f64 = 1.0;
 
 /// What part of the noise shows in the change that merging patches makes; measured.
 const IN_CHANGE: f64 = 0.25;
@@ -124,12 +128,13 @@ impl ErrorBars {
         let arriving = if order == Some(0) { 0.0 * &radiance } else { radiance.clone() };
         let noise = Noise::of(patches, factors, by_patch, sources, &arriving)?;
         progress.at("solve", 0.5)?;
-        let (change_by_patch, insight) =
+        let MeshError { by_merging: change_by_patch, by_variation: varied_by_patch, insight } =
             mesh::mesh_error(patches, [factors, by_patch], sources, [&radiance, &irradiance], order)?;
         let missing_by_patch = slack::missing(patches, by_patch, [&radiance, &irradiance])?;
         let faces = Faces::new(patches, &irradiance);
         let [rays, lamps] = [&noise.rays, &noise.lamps].map(|batches| faces.batches(batches));
         let change = faces.of(&change_by_patch);
+        let varied = varied_by_patch.each_ref().map(|half| faces.of(half));
         let part = |name, value, kind| ErrorPart { name, value, kind };
         let noisy = |batches: &[DMatrix<f64>]| faces.relative(|f, c| noise::variance(batches, (f, c)));
         let (by_rays, by_lamps) = (noisy(&rays), noisy(&lamps));
@@ -137,7 +142,8 @@ impl ErrorBars {
         // Some of the noise is in the change that merging makes.
         let change_by_merging = faces.relative(|f, c| change[(f, c)].powi(2));
         let less = change_by_merging.powi(2) - (IN_CHANGE * by_noise).powi(2);
-        let by_mesh = less.max(0.25 * change_by_merging.powi(2)).sqrt();
+        let by_merging = less.max(0.25 * change_by_merging.powi(2)).sqrt();
+        let by_mesh = by_merging.hypot(VARIED * faces.relative(|f, c| squared(&varied, (f, c))));
         let left_out = left_out(patches, &report.missing);
         let by_solver = faces.relative(|_, c| left_out[c].powi(2));
         let by_truncation = if report.truncated { by_solver } else { 0.0 };
@@ -170,26 +176,36 @@ impl ErrorBars {
         // what is left out.
         let bar = |h: f64, variance: f64, by_mesh_here: f64, c: usize| {
             let left_out = if report.truncated { left_out[c] } else { 0.0 };
-            (variance + by_mesh_here.powi(2) + (COMMON * by_mesh * h).powi(2) + left_out.powi(2)).sqrt()
+            (variance + by_mesh_here + (COMMON * by_mesh * h).powi(2) + left_out.powi(2)).sqrt()
         };
         let by_face = faces.irradiance.iter().enumerate().map(|(f, row)| {
             let variance = |c: usize| {
                 let missed = missed(&missing, (f, c)).powi(2);
                 noise::variance(&rays, (f, c)) + noise::variance(&lamps, (f, c)) + missed
             };
-            let of = |c: usize| bar(row.mean[c], variance(c), change[(f, c)], c);
+            let of = |c: usize| bar(row.mean[c], variance(c), mesh_part(&change, &varied, (f, c)), c);
             FaceRow { mean: (0..row.mean.len()).map(of).collect(), ..row.clone() }
         });
         let by_patch = DMatrix::from_fn(irradiance.nrows(), irradiance.ncols(), |i, c| {
             let variance = noise::variance(&noise.rays, (i, c)) + noise::variance(&noise.lamps, (i, c));
             let variance = variance + missed(&missing_by_patch, (i, c)).powi(2);
-            bar(irradiance[(i, c)], variance, change_by_patch[(i, c)], c)
+            bar(irradiance[(i, c)], variance, mesh_part(&change_by_patch, &varied_by_patch, (i, c)), c)
         });
         let budget =
             ErrorBudget { relative_rms, upper95, irradiance: faces.typical(), parts, insight, scatter };
         progress.at("solve", 1.0)?;
         Ok(Self { patches: by_patch, faces: by_face.collect(), budget })
     }
+}
+
+/// The square of a change, told from two that share no noise.
+fn squared([a, b]: &[DMatrix<f64>; 2], at: (usize, usize)) -> f64 {
+    a[at] * b[at]
+}
+
+/// The square of what is seen of the mesh error in one place.
+fn mesh_part(merging: &DMatrix<f64>, variation: &[DMatrix<f64>; 2], at: (usize, usize)) -> f64 {
+    merging[at].powi(2) + VARIED.powi(2) * squared(variation, at).max(0.0)
 }
 
 /// What a solver may have left out, per channel, as root mean square over area of what it may have over
@@ -265,7 +281,8 @@ impl Faces {
         match (self.sum(squared), self.whole()) {
             (0.0, _) => 0.0,
             (_, 0.0) => 1.0,
-            (part, whole) => (part / whole).sqrt(),
+            // What is known but for noise may come out below nothing.
+            (part, whole) => (part.max(0.0) / whole).sqrt(),
         }
     }
 
