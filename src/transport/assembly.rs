@@ -188,8 +188,9 @@ fn dense(n: usize, parts: &[Vec<Part>]) -> DMatrix<f32> {
     m.as_mut_slice().par_chunks_mut(n).zip(parts).for_each(|(column, parts): (&mut [f32], _)| {
         parts.iter().for_each(|&(j, part)| column[j as usize] = part as f32);
     });
+    // A patch that sees itself, as in a mirror, found both directions of that pair.
     for j in 0..n {
-        for i in 0..j {
+        for i in 0..=j {
             let both = m[(i, j)] + m[(j, i)];
             m[(i, j)] = both;
             m[(j, i)] = both;
@@ -232,6 +233,24 @@ impl StorageKind {
             Self::Auto if 8 * 3 * entries / 2 < 4 * n * n => Self::Sparse,
             Self::Auto => Self::Dense,
             chosen => chosen,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dense_and_sparse_hold_the_same_also_of_what_a_patch_exchanges_with_itself() {
+        let parts = [vec![(0, 0.25), (1, 0.5)], vec![(0, 0.125), (2, 2.0)], vec![(2, 0.75)]];
+        let (dense, sparse) = (dense(3, &parts), sparse(3, &parts));
+        let expected = [[0.5, 0.625, 0.0], [0.625, 0.0, 2.0], [0.0, 2.0, 1.5]];
+        for (i, row) in expected.iter().enumerate() {
+            for (j, &value) in row.iter().enumerate() {
+                assert_eq!(dense[(i, j)], value, "dense ({i}, {j})");
+                assert_eq!(sparse.get(i, j).copied().unwrap_or(0.0), value, "sparse ({i}, {j})");
+            }
         }
     }
 }

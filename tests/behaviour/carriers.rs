@@ -118,6 +118,31 @@ fn a_plate_sees_its_image_in_a_mirror_as_far_behind_it() {
 }
 
 #[test]
+fn a_patch_sees_itself_in_a_mirror_whatever_the_storage() {
+    // Two patches so near to their images that each sees its own above all.
+    let square = |y: f64| [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]];
+    let materials = vec![Material::lamp("plate", &[0.5], &[1.0]), Material::mirror("mirror", &[0.8])];
+    let scene = quads(&[(square(0.0), 0), (flipped(square(0.1)), 1)], materials);
+    let tracer = Tracer::new(&scene);
+    for (basis, storage) in [
+        (Basis::Constant, StorageKind::Dense),
+        (Basis::Constant, StorageKind::Sparse),
+        (Basis::Linear, StorageKind::Dense),
+        (Basis::Linear, StorageKind::Sparse),
+    ] {
+        let mut patches = cut(&tracer, PatchSize::Edge(2.0));
+        assert_eq!(patches.len(), 2);
+        let options =
+            TraceOptions { rays: Some(1 << 13), basis, storage, keep: Keep::Rays, ..Default::default() };
+        let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
+        let found = factors.between_groups(&patches, &[0, 0], Progress::default()).unwrap();
+        let own = found.iter().find(|f| f.to == Some(0)).unwrap();
+        let z = (own.form_factor - 0.8 * facing(0.2)) / own.standard_error;
+        assert!(z.abs() < 4.0 && own.standard_error < 0.01 * own.form_factor, "{storage:?} {own:?} {z}");
+    }
+}
+
+#[test]
 fn glass_as_thin_as_air_is_not_there() {
     let scene = furnace_with(Material::dielectric("air", 1.0, &[1.0]));
     let empty = furnace_with(Material::mirror("mirror", &[1.0]));
