@@ -5,8 +5,8 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Patches, Slot};
-use crate::trace::{Coat, Ray, Tracer, sampling};
+use super::{Barycentrics, Patches, Slot};
+use crate::trace::{Coat, Ray, Tracer, sampling, solid_angle};
 
 /// One side of a cell: a triangle that sees.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +17,19 @@ pub(crate) struct Facet<'t> {
     pub coat: Option<&'t Coat>,
 }
 
+/// A point of a facet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Target {
+    pub point: DVec3,
+    /// Weights of the second and third corner.
+    pub barycentrics: Barycentrics,
+    /// Density with which it was drawn, relative to a uniform one.
+    pub density: f64,
+}
+
+/// What is nearer than so many radii of a facet lights it up unevenly.
+const NEAR: f64 = 3.0;
+
 impl<'t> Facet<'t> {
     /// The point that lies where [u, v] in the unit square does, uniform over the triangle.
     #[inline]
@@ -24,6 +37,40 @@ impl<'t> Facet<'t> {
         let [a, b, c] = self.corners;
         let [u, v] = sampling::uniform_triangle(square);
         a + (b - a) * u + (c - a) * v
+    }
+
+    /// Where light from a point is looked for: drawn by solid angle where the point is near, so that no part that it lights up is
+    /// missed, and uniform over the triangle elsewhere.
+    #[inline]
+    pub fn target(&self, from: DVec3, square: [f64; 2]) -> Target {
+        let [a, b, c] = self.corners;
+        let uniform = || {
+            let [u, v] = sampling::uniform_triangle(square);
+            Target { point: a + (b - a) * u + (c - a) * v, barycentrics: [u, v], density: 1.0 }
+        };
+        let centre = self.centre();
+        let squared = self.corners.map(|corner| corner.distance_squared(centre));
+        let radius_squared = squared.into_iter().fold(0.0, f64::max);
+        if centre.distance_squared(from) > NEAR * NEAR * radius_squared {
+            return uniform();
+        }
+        let solid_angle = solid_angle(from, &self.corners);
+        let directions = self.corners.map(|corner| (corner - from).normalize_or_zero());
+        let direction = sampling::uniform_spherical_triangle(directions, square);
+        let across = (b - a).cross(c - a);
+        let (height, cosine) = (across.dot(a - from), across.dot(direction));
+        let distance = height / cosine;
+        let to = from + distance * direction - a;
+        let squared = across.length_squared();
+        let weights = [to.cross(c - a).dot(across) / squared, (b - a).cross(to).dot(across) / squared];
+        // In the facet's own plane there is no solid angle to draw from.
+        let density = 0.5 * cosine.abs() / (distance * distance * solid_angle);
+        if !(density > 0.0 && density.is_finite() && weights.into_iter().all(f64::is_finite)) {
+            return uniform();
+        }
+        let [u, v] = weights.map(|weight| weight.clamp(0.0, 1.0));
+        let [u, v] = [u, v].map(|weight| weight / (u + v).max(1.0));
+        Target { point: a + (b - a) * u + (c - a) * v, barycentrics: [u, v], density }
     }
 
     pub fn centre(&self) -> DVec3 {

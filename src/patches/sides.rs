@@ -196,8 +196,8 @@ impl Patches<'_> {
             let sequence = Stream::LampLooks.sequence(seed, slot, 0);
             (0..LAMP_LOOKS).find_map(|k| {
                 let [s, t, u, v] = sequence.point(k);
-                let from = facet.point([s, t]);
                 let to = lamps.sample(&view, [u, v])?;
+                let from = facet.target(to.point, [s, t]).point;
                 let faces_it = geometry_term((from, facet.normal), (to.point, to.normal)) > 0.0;
                 let sees_it = faces_it && tracer.unoccluded((from, facet.face), (to.point, to.face));
                 sees_it.then(|| self.slot_at(to.face as usize, Side::Front, to.barycentrics))

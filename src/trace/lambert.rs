@@ -52,8 +52,8 @@ pub fn form_factor_to_triangle(point: DVec3, normal: DVec3, corners: &[DVec3; 3]
     (-(0..count).map(edge).sum::<f64>() * 0.5 * FRAC_1_PI).max(0.0)
 }
 
-/// Form factor from the front of a triangle to the front of another, on average over the first, where nothing stands in between: corners and
-/// unit normals of both, normalised.
+/// Form factor from one side of a triangle to one side of another, on average over the first, where nothing stands in between: corners, in either
+/// order, and unit normals of the sides, normalised.
 ///
 /// Lambert's formula is exact for points. It is averaged over the smaller of the two, by reciprocity: from there the other looks much the same
 /// everywhere. Of the smaller one what is not in front of the other's plane is cut off, and what is near is split.
@@ -63,10 +63,16 @@ pub fn form_factor_between(here: (&[DVec3; 3], DVec3), there: (&[DVec3; 3], DVec
     }
     let [area, other] = [here, there].map(|(&[a, b, c], _)| 0.5 * (b - a).cross(c - a).length());
     let ((small, normal), (large, facing)) = if other < area { (there, here) } else { (here, there) };
+    let large = &wound_around(facing, *large);
     let (front, count) = in_front(small, large[0], facing);
     let flux: f64 =
         (2..count).map(|k| flux_between([front[0], front[k - 1], front[k]], normal, large, SPLITS)).sum();
     flux / area
+}
+
+/// The corners of a triangle in that order in which its front has this normal.
+fn wound_around(normal: DVec3, [a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
+    if (b - a).cross(c - a).dot(normal) < 0.0 { [a, c, b] } else { [a, b, c] }
 }
 
 /// The part of a triangle in front of the plane through a point with a unit normal, and its number of corners.
@@ -196,6 +202,18 @@ mod tests {
             let allowed = 1e-4 * whole + 1e-4;
             assert!((of_parts - whole).abs() < allowed, "{place}: {whole} {of_parts}");
             assert!((to_parts - whole).abs() < allowed, "{place}: {whole} {to_parts}");
+            // A back has its normal and no winding of its own.
+            for (here, there) in [(small, large), (large, small)] {
+                let [p, q, r] = there;
+                let other_order = form_factor_between((&here, normal(here)), (&[p, r, q], normal(there)));
+                let [p, q, r] = here;
+                let own_order = form_factor_between((&[p, r, q], normal(here)), (&there, normal(there)));
+                let known = between(&here, &there);
+                assert!(
+                    (other_order - known).abs() < allowed && (own_order - known).abs() < allowed,
+                    "{place}"
+                );
+            }
         }
         assert!(seen > 200, "{seen}");
     }

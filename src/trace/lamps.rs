@@ -18,11 +18,14 @@ const POWER_SHARE: f64 = 0.95;
 /// ...unless they cover more than this share of all surfaces: then rays find them well enough.
 const MOST_AREA: f64 = 0.25;
 
-/// With more lamp faces than this, what they would contribute is estimated and not integrated...
+/// With more lamp faces than this, what those would contribute that are not near is estimated and not integrated...
 const MOST_EXACT: usize = 256;
 
 /// ...and with more than this, chances go by power alone.
 const MOST_PLACED: usize = 2000;
+
+/// What is nearer to a surface than so many times its radius can't be told from its centre.
+const NEAR: f64 = 3.0;
 
 /// The faces that give most of a scene's light.
 #[derive(Clone, Debug)]
@@ -165,22 +168,24 @@ impl Lamps {
             return LampView { chances: self.by_power.clone(), unoccluded: None };
         }
         let faces = |lamp: &LampFace| can_face((corners, normal), (&lamp.corners, lamp.normal));
-        if self.faces.len() > MOST_EXACT {
-            let chance = |lamp: &LampFace| if faces(lamp) { lamp.estimate(centre, normal) } else { 0.0 };
-            let chances = accumulate(self.faces.iter().map(chance));
-            return LampView { chances, unoccluded: None };
-        }
+        let is_exact = self.faces.len() <= MOST_EXACT;
+        let reach = NEAR * corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
+        let is_near = |lamp: &LampFace| lamp.corners.iter().any(|corner| corner.distance(centre) < reach);
         let mut unoccluded = 0.0;
         let chances = accumulate(self.faces.iter().map(|lamp| {
             if !faces(lamp) {
                 return 0.0;
             }
+            let estimate = lamp.estimate(centre, normal);
+            if !is_exact && !is_near(lamp) {
+                return estimate;
+            }
             let contribution = lamp.brightness * form_factor(lamp);
             unoccluded += contribution;
             // Leave some chance to what other points of the surface may see.
-            contribution + 0.05 * lamp.estimate(centre, normal)
+            contribution + 0.05 * estimate
         }));
-        LampView { chances, unoccluded: Some(unoccluded) }
+        LampView { chances, unoccluded: is_exact.then_some(unoccluded) }
     }
 
     /// A point drawn on a lamp; none where no lamp is above the horizon.

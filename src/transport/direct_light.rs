@@ -13,7 +13,7 @@ use super::{LampFlux, Mass, Sources, TraceOptions};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::scene::Scene;
-use crate::trace::sampling::{self, Stream};
+use crate::trace::sampling::Stream;
 use crate::trace::{Lamps, Tracer, geometry_term};
 
 /// Patches between two reports of progress.
@@ -109,9 +109,10 @@ impl Look<'_> {
         for k in stretch {
             let part = (k - first) as usize * PARTS / self.pairs as usize;
             let [s, t, u, v] = sequence.point(k);
-            let from = facet.point([s, t]);
-            // Draw a point on a lamp, and see whether it is visible.
+            // Draw a point on a lamp and one on the patch, and see whether they see each other.
             let Some(to) = self.lamps.sample(&view, [u, v]) else { return };
+            let here = facet.target(to.point, [s, t]);
+            let from = here.point;
             let g = geometry_term((from, facet.normal), (to.point, to.normal));
             if g == 0.0 || !self.tracer.unoccluded((from, facet.face), (to.point, to.face)) {
                 continue;
@@ -120,11 +121,12 @@ impl Look<'_> {
             let weight = facet.weight((to.point - from).normalize());
             let emission = &scene.material_of(to.face as usize).emission;
             let texture = scene.emission_texture(to.face as usize).map(|texture| texture.at(to.barycentrics));
-            let weights = phi(sampling::uniform_triangle([s, t]));
+            let weights = phi(here.barycentrics);
+            let worth = worth * weight * g / (to.pdf * here.density);
             let of_part = &mut moments[part * N * emission.len()..][..N * emission.len()];
             for (row, phi) in of_part.chunks_exact_mut(emission.len()).zip(weights) {
                 for (c, (sum, e)) in row.iter_mut().zip(emission).enumerate() {
-                    *sum += worth * phi * weight * g / to.pdf * e * texture.map_or(1.0, |texture| texture[c]);
+                    *sum += worth * phi * e * texture.map_or(1.0, |texture| texture[c]);
                 }
             }
         }

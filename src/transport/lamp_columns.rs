@@ -1,6 +1,6 @@
 //! Lamp columns: the form factors from a patch to lamps, by light sampling.
 //!
-//! M points x on the patch are paired with points y drawn on lamps with density p. A pair with geometry term g and emitted
+//! M points y drawn on lamps are paired with points x on the patch, with density p; where the lamp is near, x is drawn by the solid angle seen from y. A pair with geometry term g and emitted
 //! radiance Lₑ weighs w = Lₑ g/p, whether or not its points see each other; the mean weight estimates what Lambert's formula gives
 //! exactly, the unoccluded light U, averaged over the patch. So each pair on lamp patch j whose points do see each other is worth
 //!
@@ -15,7 +15,7 @@
 
 use crate::patches::{Basis, Facet, Patches};
 use crate::scene::Side;
-use crate::trace::sampling::{self, Stream};
+use crate::trace::sampling::Stream;
 use crate::trace::{Lamps, Tracer, geometry_term};
 
 use super::landing::Spot;
@@ -81,13 +81,14 @@ pub(super) fn look_at_lamps(
         let (sequence, stretch) = Stream::LampPairs.stretch(seed, slot, batch as u64, pairs_now);
         for k in stretch {
             let [s, t, u, v] = sequence.point(k);
-            let from = facet.point([s, t]);
             let Some(to) = lamps.sample(&view, [u, v]) else { break };
+            let here = facet.target(to.point, [s, t]);
+            let from = here.point;
             let g = geometry_term((from, facet.normal), (to.point, to.normal));
             if g == 0.0 {
                 continue;
             }
-            let weight = g / to.pdf;
+            let weight = g / (to.pdf * here.density);
             bright[batch as usize] += weight * to.brightness;
             sum += weight;
             squares += weight * weight;
@@ -96,10 +97,7 @@ pub(super) fn look_at_lamps(
             let arriving = if visible { facet.weight((to.point - from).normalize()) } else { 0.0 };
             let ends = match basis {
                 Basis::Constant => [Spot::default(); 2],
-                Basis::Linear => {
-                    [sampling::uniform_triangle([s, t]), patches.weights_in(slot, to.barycentrics)]
-                        .map(Spot::at)
-                }
+                Basis::Linear => [here.barycentrics, patches.weights_in(slot, to.barycentrics)].map(Spot::at),
             };
             pairs.push(Pair { seen: Seen { slot, batch, ends }, weight, arriving });
         }

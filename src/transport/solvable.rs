@@ -1,5 +1,5 @@
 //! Solvability: light must be able to end somewhere. Slack does not count: what rows lack is missing from the
-//! numbers, not absorbed in the scene.
+//! numbers, not absorbed in the scene. A row without any entry traps nothing, though: what it lacks is all of it.
 
 use super::{Exchange, Transport};
 
@@ -23,13 +23,15 @@ pub(super) fn trapped(k: &Transport) -> Option<Vec<usize>> {
             unvisited[start] = false;
             while at < set.len() {
                 for i in light.leaves_by(set[at]) {
-                    loses |= light.exchange.leaving()[i] > 0.0;
+                    let mut is_empty = true;
                     light.exchange.for_row(i, |j, _| {
+                        is_empty = false;
                         loses |= absorbs(j);
                         if std::mem::take(&mut unvisited[j]) {
                             set.push(j);
                         }
                     });
+                    loses |= is_empty || light.exchange.leaving()[i] > 0.0;
                 }
                 at += 1;
             }

@@ -83,12 +83,18 @@ fn irradiance(
     Ok(solution.under(&sources).means(k.basis()).irradiance)
 }
 
-/// The leg of a right-angled patch of middling area, metres.
+/// The leg of a right-angled patch such that larger ones and smaller ones make up half of all area each, metres. By number, the many small faces of
+/// furniture would decide how finely the walls are cut.
 fn typical_edge(patches: &Patches) -> f64 {
     let mut areas: Vec<f64> = (0..patches.len()).map(|i| patches.area(i)).collect();
-    let middle = areas.len() / 2;
-    let (_, median, _) = areas.select_nth_unstable_by(middle, f64::total_cmp);
-    (2.0 * *median).sqrt().min(patches.edge())
+    areas.sort_by(f64::total_cmp);
+    let half = 0.5 * areas.iter().sum::<f64>();
+    let mut sum = 0.0;
+    let middle = areas.iter().find(|&&area| {
+        sum += area;
+        sum >= half
+    });
+    (2.0 * middle.unwrap_or(&0.0)).sqrt().min(patches.edge())
 }
 
 fn is_too_large(error: &MeasureError) -> bool {
