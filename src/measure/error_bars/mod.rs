@@ -29,9 +29,6 @@ pub(super) use slack::at_most as slack_at_most;
 /// So much of the scene's relative mesh error every patch and face has: its own may vanish by chance.
 const COMMON: f64 = 0.7;
 
-/// How many times what linear variation within patches changes all variation does.
-const VARIED: f64 = 1.0;
-
 /// What part of the noise shows in the change that merging patches makes; measured.
 const IN_CHANGE: f64 = 0.25;
 
@@ -143,7 +140,7 @@ impl ErrorBars {
         let change_by_merging = faces.relative(|f, c| change[(f, c)].powi(2));
         let less = change_by_merging.powi(2) - (IN_CHANGE * by_noise).powi(2);
         let by_merging = less.max(0.25 * change_by_merging.powi(2)).sqrt();
-        let by_mesh = by_merging.hypot(VARIED * faces.relative(|f, c| squared(&varied, (f, c))));
+        let by_mesh = by_merging.hypot(faces.relative(|f, c| squared(&varied, (f, c))));
         let left_out = left_out(patches, &report.missing);
         let by_solver = faces.relative(|_, c| left_out[c].powi(2));
         let by_truncation = if report.truncated { by_solver } else { 0.0 };
@@ -205,7 +202,7 @@ fn squared([a, b]: &[DMatrix<f64>; 2], at: (usize, usize)) -> f64 {
 
 /// The square of what is seen of the mesh error in one place.
 fn mesh_part(merging: &DMatrix<f64>, variation: &[DMatrix<f64>; 2], at: (usize, usize)) -> f64 {
-    merging[at].powi(2) + VARIED.powi(2) * squared(variation, at).max(0.0)
+    merging[at].powi(2) + squared(variation, at).max(0.0)
 }
 
 /// What a solver may have left out, per channel, as root mean square over area of what it may have over
