@@ -2,16 +2,19 @@
 
 use nalgebra::DMatrix;
 use radiosity::measure::{
-    self, Ending, ErrorBars, ErrorPart, Goal, MeasureError, ReferenceRow, RelativeRms, Resource, Tolerated,
+    self, Budget, Ending, ErrorBars, ErrorPart, Goal, MeasureError, PathOptions, PathTracer, ReferenceRow,
+    RelativeRms, Resource, Tolerated,
 };
 use radiosity::patches::{Basis, FaceRow, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
-use radiosity::scene::Scene;
+use radiosity::scene::{Material, Scene};
 use radiosity::solve::{self, CgOptions, Solution};
 use radiosity::trace::Tracer;
 use radiosity::transport::{
     FormFactors, Keep, LightOptions, Sources, TraceOptions, Transport, TransportError,
 };
+
+use crate::scenes::{flipped, quads, room};
 
 /// An answer with its error bars.
 struct Answer {
@@ -146,6 +149,35 @@ fn against_another_renderer_bounds_hold_and_bars_cover_what_they_should() {
     }
     // One in twenty may.
     assert!(exceeded <= 1, "{exceeded} of 6 exceeded");
+}
+
+/// A grey room with a box lamp, `width` wide and deep, whose top is `gap` below the ceiling, m.
+fn lamp_below_ceiling(width: f64, gap: f64) -> Scene {
+    let walls = room([0.0; 3], [6.0, 3.0, 5.0]).map(|wall| (wall, 0));
+    let top = 3.0 - gap;
+    let sides = room([2.5, top - 0.1, 2.0], [2.5 + width, top, 2.0 + width]).map(|side| (flipped(side), 1));
+    let lamp = Material::lamp("lamp", &[0.5], &[10.0]);
+    quads(&[&walls[..], &sides[..]].concat(), vec![Material::diffuse("grey", &[0.5]), lamp])
+}
+
+#[test]
+fn a_lamp_close_to_large_patches_loses_no_light_and_its_bounds_hold() {
+    for (width, gap, count) in [(0.4, 0.005, 100), (0.4, 0.005, 1000), (0.1, 0.005, 24), (0.1, 0.005, 400)] {
+        let scene = lamp_below_ceiling(width, gap);
+        let tracer = Tracer::new(&scene);
+        let size = PatchSize::Edge(100.0);
+        let whole_faces = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+        let budget = Budget { paths: Some(2_000_000), ..Default::default() };
+        let options = PathOptions { budget, ..Default::default() };
+        let traced = PathTracer::new(&tracer).irradiance(&whole_faces, &options).unwrap();
+        let reference = traced.by_face(&whole_faces);
+        let Answer { faces, bars } = answer(&tracer, count, 128, 1, Basis::Constant);
+        let rms = RelativeRms::of(&faces, &reference);
+        let upper = bars.budget.upper95;
+        let case = format!("{width} m, {gap} m, {count} patches: {rms:?}, bound {upper}");
+        assert!(bars.budget.parts.iter().all(|part| part.name != ErrorPart::SLACK), "{case}");
+        assert!(rms.value < upper && upper < 5.0 * rms.value, "{case}");
+    }
 }
 
 #[test]

@@ -128,7 +128,13 @@ pub fn error_line(budget: &ErrorBudget, seconds: f64, series: &SeriesSummary) ->
     let mesh = budget.part(ErrorPart::MESH);
     let truncation = budget.part(ErrorPart::TRUNCATION);
     // With four times the patches each face has four times the rays too.
-    let remedy = if truncation > mesh.max(noise) {
+    let slack = budget.part(ErrorPart::SLACK);
+    let rounding = budget.part(ErrorPart::SOLVER) + budget.part(ErrorPart::STORAGE);
+    let remedy = if rounding > mesh.max(noise).max(truncation).max(slack) {
+        "mostly rounding, amplified where next to nothing absorbs; lower the highest reflectance".into()
+    } else if slack > mesh.max(noise).max(truncation) {
+        "mostly slack; `radiosity check` says where".into()
+    } else if truncation > mesh.max(noise) {
         truncated(truncation / mesh.hypot(noise).max(WELL), budget.irradiance, series)
     } else if mesh > noise {
         format!("mostly mesh; 4 × the patches would about halve it, in {}", duration(4.0 * seconds))

@@ -83,16 +83,16 @@ fn irradiance(
     Ok(solution.under(&sources).means(k.basis()).irradiance)
 }
 
-/// The leg of a right-angled patch such that larger ones and smaller ones make up half of all area each, metres. By number, the many small faces of
-/// furniture would decide how finely the walls are cut.
+/// The leg of a right-angled patch such that smaller ones make up a quarter of all area, metres. By number, the many small faces of furniture
+/// would decide how finely the walls are cut.
 fn typical_edge(patches: &Patches) -> f64 {
     let mut areas: Vec<f64> = (0..patches.len()).map(|i| patches.area(i)).collect();
     areas.sort_by(f64::total_cmp);
-    let half = 0.5 * areas.iter().sum::<f64>();
+    let quarter = 0.25 * areas.iter().sum::<f64>();
     let mut sum = 0.0;
     let middle = areas.iter().find(|&&area| {
         sum += area;
-        sum >= half
+        sum >= quarter
     });
     (2.0 * middle.unwrap_or(&0.0)).sqrt().min(patches.edge())
 }

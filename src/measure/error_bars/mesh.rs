@@ -103,9 +103,12 @@ pub(super) fn mesh_error(
     let merged_factors = by_patch.merged(&clusters.of_patch, clusters.count);
     let k = Transport::new(&merged_factors, Reflection::of(patches).merged(patches, &clusters))?;
     let change = changed_by(patches, &clusters, &k, (basis, sources), ([radiance, irradiance], order))?;
+    // What light that varies sends elsewhere has arrived from order 2 on.
     let by_variation = match basis {
-        Basis::Constant => varied(patches, &clusters, (factors, &k), radiance)?,
-        Basis::Linear => [0; 2].map(|_| DMatrix::zeros(radiance.nrows(), radiance.ncols())),
+        Basis::Constant if order.is_none_or(|order| order > 1) => {
+            varied(patches, &clusters, (factors, &k), radiance)?
+        }
+        _ => [0; 2].map(|_| DMatrix::zeros(radiance.nrows(), radiance.ncols())),
     };
     let merged = patches.len() as f64 / clusters.count as f64;
     let insight =

@@ -71,8 +71,8 @@ pub struct ErrorBudget {
 /// One source of error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ErrorPart {
-    /// [`ErrorPart::MESH`], [`ErrorPart::RAYS`], [`ErrorPart::LAMPS`], [`ErrorPart::TRUNCATION`], `solver` or
-    /// `storage`, and [`ErrorPart::SLACK`] where there is any.
+    /// [`ErrorPart::MESH`], [`ErrorPart::RAYS`], [`ErrorPart::LAMPS`], [`ErrorPart::TRUNCATION`],
+    /// [`ErrorPart::SOLVER`] or [`ErrorPart::STORAGE`], and [`ErrorPart::SLACK`] where there is any.
     pub name: &'static str,
     /// How large it is, in the norm of the budget. Of an answer without any light, 1 is all that it lacks.
     pub value: f64,
@@ -92,6 +92,10 @@ impl ErrorPart {
     /// What orders add that a [truncated](crate::solve::Report::truncated) series left out; 0 for other
     /// answers, of which `solver` tells what they lack.
     pub const TRUNCATION: &'static str = "truncation";
+    /// What the solver left; 0 for truncated answers.
+    pub const SOLVER: &'static str = "solver";
+    /// The rounding of stored form factors, amplified by what goes round.
+    pub const STORAGE: &'static str = "storage";
 }
 
 impl ErrorBudget {
@@ -153,8 +157,8 @@ impl ErrorBars {
             part(ErrorPart::RAYS, by_rays, Certainty::Estimated),
             part(ErrorPart::LAMPS, by_lamps, Certainty::Estimated),
             part(ErrorPart::TRUNCATION, by_truncation, report.certainty),
-            part("solver", if report.truncated { 0.0 } else { by_solver }, report.certainty),
-            part("storage", ROUNDING * report.condition, report.certainty),
+            part(ErrorPart::SOLVER, if report.truncated { 0.0 } else { by_solver }, report.certainty),
+            part(ErrorPart::STORAGE, ROUNDING * report.condition, report.certainty),
         ];
         if missing.is_some() {
             parts.push(part(ErrorPart::SLACK, by_slack, Certainty::Estimated));

@@ -6,6 +6,7 @@ use nalgebra::DMatrix;
 
 use super::places;
 use super::{Answer, Cause, DOUBTFUL, Energy, Level, Reason};
+use crate::measure::ErrorPart;
 use crate::scene::{Scene, Side};
 use crate::trace::OverlapKind;
 
@@ -44,7 +45,9 @@ pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {
     if not_finite {
         return vec![Reason::new(Cause::NotFinite, Level::Bad, None, faces, scene)];
     }
-    match bounds.iter().any(|bound| bound.is_infinite()) {
+    // A bound of more than all light there is bounds nothing.
+    let guaranteed = answer.budget.map_or(0.0, |b| b.part(ErrorPart::SOLVER) + b.part(ErrorPart::STORAGE));
+    match bounds.iter().any(|bound| bound.is_infinite()) || guaranteed > 1.0 {
         true => vec![Reason::new(Cause::Unbounded, Level::Doubtful, None, Vec::new(), scene)],
         false => Vec::new(),
     }
