@@ -90,6 +90,7 @@ pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Res
     let mut added = e.clone();
     let mut bounces: Vec<Bounce> = Vec::new();
     let mut at_start = None;
+    let mut step_before: Option<DMatrix<f64>> = None;
     let report = loop {
         // The step to the next order is the residual of this one.
         let order = bounces.len();
@@ -97,7 +98,8 @@ pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Res
         report.bound = report.bound.min(tail_bound(&norm, &added, &(e + &answer.reflected)));
         let Report { residual, remaining_flux, bound, .. } = report;
         bounces.push(Bounce { order, flux: flux(&added), residual, remaining_flux, bound });
-        let excess = rule.excess(&answer);
+        let step = answer.step();
+        let excess = rule.excess_of(&answer, &step, step_before.as_ref());
         // The irradiance of order 0 is zero by definition; whoever asks for a tolerance wants to see what arrives.
         let is_enough = if options.tolerance > 0.0 { excess <= 1.0 } else { answer.residual.amax() == 0.0 };
         if (is_enough && order > 0) || order >= options.order {
@@ -107,6 +109,7 @@ pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Res
         let progress = progress_made(*at_start.get_or_insert(excess), excess);
         options.progress.at("series", progress.max(order as f64 / options.order as f64))?;
         added = answer.residual;
+        step_before = Some(step);
         answer = Answer::new(k, e, answer.next);
     };
     options.progress.at("series", 1.0)?;

@@ -18,6 +18,7 @@ use std::f64::consts::PI;
 use nalgebra::{DMatrix, DVectorView};
 
 use super::{Amplification, Certainty, Report, relative};
+use crate::patches::Basis;
 use crate::progress::{Cancelled, Progress};
 use crate::transport::Transport;
 
@@ -64,7 +65,7 @@ impl Answer {
     }
 
     /// π F L − H.
-    fn step(&self) -> DMatrix<f64> {
+    pub fn step(&self) -> DMatrix<f64> {
         &self.next - &self.irradiance
     }
 
@@ -138,6 +139,10 @@ fn amplify(a: f64, b: f64) -> f64 {
 ///   of H, so that no patch is off by more than t of H_rms, nor by more than 10 t of its own irradiance, or
 ///   of H_rms/1000 where it has less.
 ///
+/// The series knows more: where no patch's step is more than q < 1 times its step before, all later ones come to less than s q/(1 − q), patch by
+/// patch, since light only adds (Collatz 1942). Then s/(1 − q) may take the place of the second bound: ≤ t · min(H_rms, 10 max(H, 10⁻³ H_rms)) on
+/// every patch.
+///
 /// What rounding alone leaves is good enough, too: ‖s‖∞ ≤ 10⁻¹⁴ ‖H‖∞.
 pub(super) struct Rule<'a> {
     k: &'a Transport<'a>,
@@ -162,18 +167,40 @@ impl<'a> Rule<'a> {
 
     /// How many times too much is missing of an answer, the largest over channels; it is good enough up to 1.
     pub fn excess(&self, answer: &Answer) -> f64 {
-        let step = answer.step();
+        self.excess_of(answer, &answer.step(), None)
+    }
+
+    /// The same of a partial sum of the series, with its step to the next order and the step before that.
+    pub fn excess_of(&self, answer: &Answer, step: &DMatrix<f64>, before: Option<&DMatrix<f64>>) -> f64 {
         let of = |c: usize| {
             let [irradiance, step, residual] =
-                [&answer.irradiance, &step, &answer.residual].map(|field| field.column(c));
+                [&answer.irradiance, step, &answer.residual].map(|field| field.column(c));
             if step.amax() <= ROUNDING * answer.next.column(c).amax() {
                 return 0.0;
             }
             let lost = relative(flux(self.k, residual), self.tolerance * self.flux[c]);
             let off = step.amax() + PI * amplify(self.amplification.of(c), residual.amax());
-            lost.max(relative(off, self.tolerance * self.yardstick(irradiance)))
+            let off = relative(off, self.tolerance * self.yardstick(irradiance));
+            let by_steps = before.map(|before| self.excess_by_steps(irradiance, [before.column(c), step]));
+            lost.max(by_steps.map_or(off, |by_steps| by_steps.min(off)))
         };
         (0..self.flux.len()).map(of).fold(0.0, f64::max)
+    }
+
+    /// How many times too much is missing by what two steps, one after the other, say of all that follow; infinite where they do not shrink.
+    fn excess_by_steps(&self, irradiance: DVectorView<f64>, [before, step]: [DVectorView<f64>; 2]) -> f64 {
+        let ratio = |(step, before): (&f64, &f64)| if *step > 0.0 { step / before } else { 0.0 };
+        let shrinks_by = step.iter().zip(&before).map(ratio).fold(0.0, f64::max);
+        let only_adds = [before, step].iter().all(|step| step.min() >= 0.0);
+        if self.k.basis() == Basis::Linear || !only_adds || shrinks_by.is_nan() || shrinks_by >= 1.0 {
+            return f64::INFINITY;
+        }
+        let typical = self.typical(irradiance);
+        let of_patch = |(step, h): (&f64, &f64)| {
+            let yardstick = typical.min(BY_PATCH * h.max(DARK * typical));
+            relative(step / (1.0 - shrinks_by), self.tolerance * yardstick)
+        };
+        step.iter().zip(&irradiance).map(of_patch).fold(0.0, f64::max)
     }
 
     /// Whether what is missing of an answer is rounding, once solving for it makes no headway.
@@ -198,9 +225,14 @@ impl<'a> Rule<'a> {
 
     /// The irradiance that the tolerance is a part of.
     fn yardstick(&self, irradiance: DVectorView<f64>) -> f64 {
-        let mass = self.k.mass();
-        let typical = (mass.norm(irradiance).powi(2) / mass.sums().sum().max(f64::MIN_POSITIVE)).sqrt();
+        let typical = self.typical(irradiance);
         typical.min(BY_PATCH * irradiance.min().max(DARK * typical))
+    }
+
+    /// H_rms.
+    fn typical(&self, irradiance: DVectorView<f64>) -> f64 {
+        let mass = self.k.mass();
+        (mass.norm(irradiance).powi(2) / mass.sums().sum().max(f64::MIN_POSITIVE)).sqrt()
     }
 }
 

@@ -1,14 +1,8 @@
-//! Variation: what it changes elsewhere that light varies within a patch, to first order, without new rays.
+//! Variation: what it changes elsewhere that the light of lamps varies within a patch, to first order, without new rays.
 //!
-//! Irradiance on a patch is taken to be even. How far it is from that is known in two ways. What lamps near the patch send to each of its parts is
-//! given by Lambert's formula, as far as they are seen. And the patch's own rays tell: with ψ₁ and ψ₂ linear on the patch, of mean 0 and mean
-//! square 1, and N rays that start at x and bring radiance L,
-//!
-//! c_k = (1/N) Σ π L ψ_k(x).
-//!
-//! What leaves the patch beside its mean arrives where the same rays land, of exchange area a/N each, and on lamps as far as Lambert's formula says,
-//! by reciprocity. Were both sums over the same rays, their noise would add up; so c_k is taken from one half of the batches and what arrives from the
-//! other, and the other way round. The product of the two answers estimates the square without bias.
+//! Irradiance on a patch is taken to be even. What lamps near it send to each of its parts is given by Lambert's formula, as far as they are seen; so
+//! it is known how far radiance on each part is from the mean. That arrives on lamps as far as Lambert's formula says, by reciprocity, and
+//! elsewhere where the patch's own rays land: each stands for the part that it starts on.
 
 use std::f64::consts::PI;
 
@@ -17,25 +11,24 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::assembly::Outcome;
-use super::landing::Spot;
 use super::rays::{Row, Rows, origins};
 use super::{FormFactors, TransportError};
 use crate::patches::Patches;
 use crate::scene::Side;
 use crate::trace::form_factor_between;
 
-/// Two halves of the batches.
+/// Two halves of the rays.
 const HALVES: usize = 2;
 
 /// A patch falls into the square of so many parts.
 const CUTS: usize = 8;
 
 /// Lamps nearer than so many radii light a patch unevenly.
-const NEAR: f64 = 3.0;
+const NEAR: f64 = 1.5;
 
 impl FormFactors {
-    /// How irradiance changes (n × c, W·m⁻²) where light varies within patches, to first order, as either half of the rays has it: within those
-    /// that are near lamps, and within `others`. `radiance` (n × c, W·sr⁻¹·m⁻²) is that of constant elements.
+    /// How irradiance changes (n × c, W·m⁻²) where the light of lamps varies within patches that are near them, to first order, as either half of
+    /// the rays has it: the product of both estimates the square without bias. `radiance` (n × c, W·sr⁻¹·m⁻²) is that of constant elements.
     ///
     /// # Errors
     /// `NoRays` unless the rays were kept.
@@ -43,7 +36,6 @@ impl FormFactors {
         &self,
         patches: &Patches,
         radiance: &DMatrix<f64>,
-        others: &[bool],
     ) -> Result<[DMatrix<f64>; HALVES], TransportError> {
         let mut changes = [0; HALVES].map(|_| DMatrix::zeros(radiance.nrows(), radiance.ncols()));
         if self.rays() == 0 {
@@ -52,16 +44,16 @@ impl FormFactors {
         let rows = self.rows().ok_or(TransportError::NoRays)?;
         let reflectances = patches.reflectances();
         let setting = Setting::new(rows, patches);
-        let by_patch: Vec<(usize, Within)> = (0..patches.len())
+        let near: Vec<(usize, Vec<Seen>)> = (0..patches.len())
             .into_par_iter()
-            .filter_map(|i| Some((i, setting.within(i, others[i])?)))
+            .map(|i| (i, setting.near_lamps(i)))
+            .filter(|(_, near)| !near.is_empty())
             .collect();
-        for c in 0..radiance.ncols() {
-            let light = Light { setting: &setting, tone: self.tone_of(c), radiance, channel: c };
-            let uneven: Vec<Uneven> =
-                by_patch.par_iter().map(|(i, within)| light.uneven(*i, within)).collect();
-            for ((i, within), uneven) in by_patch.iter().zip(&uneven) {
-                light.send(*i, within, uneven, reflectances[(*i, c)], &mut changes);
+        for (i, near) in &near {
+            for c in 0..radiance.ncols() {
+                let uneven = setting.uneven(near, (radiance, c));
+                let beside: Vec<f64> = uneven.iter().map(|h| reflectances[(*i, c)] * h).collect();
+                setting.send(*i, (near, &beside), (self.tone_of(c), c), &mut changes);
             }
         }
         Ok(changes)
@@ -72,20 +64,6 @@ impl FormFactors {
 struct Seen {
     lamp: usize,
     of_parts: Vec<f64>,
-}
-
-/// What is known of a patch's parts.
-struct Within<'a> {
-    row: &'a Row,
-    near: Vec<Seen>,
-}
-
-/// How far irradiance on a patch is from its mean.
-struct Uneven {
-    /// By lamps near it, per part.
-    by_lamps: Vec<f64>,
-    /// By rays: along ψ₁ and ψ₂, of either half.
-    by_rays: [[f64; 2]; HALVES],
 }
 
 /// Where light goes.
@@ -104,17 +82,13 @@ impl<'a> Setting<'a> {
         Self { rows, patches, is_lamp: is_lamp.collect() }
     }
 
-    /// What is known of a patch's parts; nothing without rays, nor of patches that are neither wanted nor near a lamp.
-    fn within(&self, i: usize, is_wanted: bool) -> Option<Within<'a>> {
-        let row = self.rows.of(self.patches.slot_of_patch(i))?;
-        let near = self.near_lamps(i, row);
-        (is_wanted || !near.is_empty()).then_some(Within { row, near })
+    fn row(&self, i: usize) -> Option<&'a Row> {
+        self.rows.of(self.patches.slot_of_patch(i))
     }
 
-    fn near_lamps(&self, i: usize, row: &Row) -> Vec<Seen> {
-        if row.lamps.shares.is_empty() {
-            return Vec::new();
-        }
+    /// The lamp faces near a patch that it sees.
+    fn near_lamps(&self, i: usize) -> Vec<Seen> {
+        let Some(row) = self.row(i).filter(|row| !row.lamps.shares.is_empty()) else { return Vec::new() };
         let place = self.patches.place(i);
         let corners = self.patches.corners(i).map(|at| self.patches.point(place.face, at));
         let turn = if place.side == Side::Back { -1.0 } else { 1.0 };
@@ -141,87 +115,53 @@ impl<'a> Setting<'a> {
         };
         lamps.filter(is_near).filter_map(seen).collect()
     }
-}
 
-/// The light of one channel.
-struct Light<'a> {
-    setting: &'a Setting<'a>,
-    tone: usize,
-    radiance: &'a DMatrix<f64>,
-    channel: usize,
-}
-
-impl Light<'_> {
-    /// Where the rays of a half start, and the patch that each meets; not lamps that light sampling looks at.
-    fn rays<'r>(&'r self, i: usize, row: &'r Row, half: usize) -> impl Iterator<Item = (Spot, usize)> + 'r {
-        let Setting { rows, patches, is_lamp } = self.setting;
-        let each = row.landings.len() / HALVES;
-        let range = half * each..(half + 1) * each;
-        let from = origins(row.slot, rows.recipe).skip(range.start);
-        let met = move |(end, from)| match Outcome::of(end, patches) {
-            Outcome::Met { patch, .. } => Some((from, patch as usize)),
-            Outcome::Left(_) => None,
-        };
-        row.ends(range, self.tone).zip(from).filter_map(met).filter(move |&(_, j)| is_lamp[i] || !is_lamp[j])
-    }
-
-    fn uneven(&self, i: usize, Within { row, near }: &Within) -> Uneven {
-        let mut by_lamps = vec![0.0; CUTS * CUTS];
+    /// How far irradiance on each part is from the mean, W·m⁻².
+    fn uneven(&self, near: &[Seen], (radiance, channel): (&DMatrix<f64>, usize)) -> Vec<f64> {
+        let mut parts = vec![0.0; CUTS * CUTS];
         for Seen { lamp, of_parts } in near {
-            let on_lamp = self.setting.patches.patches_of(*lamp, Side::Front);
+            let on_lamp = self.patches.patches_of(*lamp, Side::Front);
             let count = on_lamp.len().max(1) as f64;
-            let arriving = PI * on_lamp.map(|j| self.radiance[(j, self.channel)]).sum::<f64>() / count;
+            let arriving = PI * on_lamp.map(|j| radiance[(j, channel)]).sum::<f64>() / count;
             let mean = of_parts.iter().sum::<f64>() / of_parts.len() as f64;
-            by_lamps.iter_mut().zip(of_parts).for_each(|(sum, factor)| *sum += arriving * (factor - mean));
+            parts.iter_mut().zip(of_parts).for_each(|(sum, factor)| *sum += arriving * (factor - mean));
         }
-        let rays = (row.landings.len() / HALVES) as f64;
-        let by_rays = std::array::from_fn(|half| {
-            let mut sums = [0.0; 2];
-            for (from, j) in self.rays(i, row, half) {
-                let arriving = PI * self.radiance[(j, self.channel)] / rays;
-                sums.iter_mut().zip(linear(from.weights())).for_each(|(sum, psi)| *sum += arriving * psi);
-            }
-            sums
-        });
-        Uneven { by_lamps, by_rays }
+        parts
     }
 
-    /// Adds what uneven light on a patch of this reflectance changes elsewhere, as either half of its rays has it.
+    /// Adds the irradiance that π times the radiance `beside` the mean, by parts of a patch, causes elsewhere.
     fn send(
         &self,
         i: usize,
-        Within { row, near }: &Within,
-        uneven: &Uneven,
-        reflectance: f64,
+        (near, beside): (&[Seen], &[f64]),
+        (tone, channel): (usize, usize),
         changes: &mut [DMatrix<f64>; HALVES],
     ) {
-        let Setting { patches, .. } = self.setting;
-        let etendues = patches.etendues();
-        let worth = reflectance * etendues[i] * HALVES as f64 / row.landings.len() as f64;
+        let Some(row) = self.row(i) else { return };
+        let etendues = self.patches.etendues();
+        let each = row.landings.len() / HALVES;
+        let mut origins = origins(row.slot, self.rows.recipe);
         for (half, change) in changes.iter_mut().enumerate() {
-            let along = uneven.by_rays[1 - half];
-            for (from, j) in self.rays(i, row, half) {
-                let psi = linear(from.weights());
-                let beside = uneven.by_lamps[part_at(from.weights())] + psi[0] * along[0] + psi[1] * along[1];
-                change[(j, self.channel)] += worth * beside / etendues[j];
+            let ends = row.ends(half * each..(half + 1) * each, tone);
+            for (end, from) in ends.zip(&mut origins) {
+                let Outcome::Met { patch, .. } = Outcome::of(end, self.patches) else { continue };
+                let j = patch as usize;
+                if self.is_lamp[i] || !self.is_lamp[j] {
+                    let flux = etendues[i] / each as f64 * beside[part_at(from.weights())];
+                    change[(j, channel)] += flux / etendues[j];
+                }
             }
         }
         for Seen { lamp, of_parts } in near {
-            let on_lamp = patches.patches_of(*lamp, Side::Front);
-            let sum: f64 =
-                of_parts.iter().zip(&uneven.by_lamps).map(|(factor, beside)| factor * beside).sum();
-            let flux = reflectance * etendues[i] * sum / of_parts.len() as f64;
+            let on_lamp = self.patches.patches_of(*lamp, Side::Front);
+            let sum: f64 = of_parts.iter().zip(beside).map(|(factor, beside)| factor * beside).sum();
+            let flux = etendues[i] * sum / of_parts.len() as f64;
             let area: f64 = on_lamp.clone().map(|j| etendues[j]).sum();
             for j in on_lamp {
-                changes.iter_mut().for_each(|change| change[(j, self.channel)] += flux / area);
+                changes.iter_mut().for_each(|change| change[(j, channel)] += flux / area);
             }
         }
     }
-}
-
-/// Two functions that are linear over a triangle, of mean 0 and mean square 1, at the point with these weights of corners.
-fn linear([a, b, c]: [f64; 3]) -> [f64; 2] {
-    [6f64.sqrt() * (b - c), 8f64.sqrt() * (a - 0.5 * (b + c))]
 }
 
 fn normal(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
@@ -255,19 +195,6 @@ fn part_at([_, u, v]: [f64; 3]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::sampling::TRIANGLE_RULE_7;
-
-    #[test]
-    fn linear_functions_are_orthonormal_on_a_triangle() {
-        let mean = |f: &dyn Fn([f64; 2]) -> f64| -> f64 {
-            TRIANGLE_RULE_7.iter().map(|&([u, v], part)| part * f(linear([1.0 - u - v, u, v]))).sum()
-        };
-        assert!(mean(&|[x, y]| x * y).abs() < 1e-14);
-        for k in 0..2 {
-            assert!(mean(&|psi| psi[k]).abs() < 1e-14);
-            assert!((mean(&|psi| psi[k] * psi[k]) - 1.0).abs() < 1e-14);
-        }
-    }
 
     #[test]
     fn parts_make_up_the_triangle_and_are_found_by_their_points() {

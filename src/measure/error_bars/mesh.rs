@@ -1,11 +1,10 @@
 //! Mesh error: what the size of patches does to the answer, told from what larger ones would have done.
 //!
-//! Where patches are as large as their faces nothing can be merged, and near lamps light varies within patches more than merging shows. What is known of
-//! light within these patches tells what it changes elsewhere.
-//!
 //! Some five patches at a time are merged, and the scene is solved with what the larger patches exchange: no new rays, and the noise of those that
 //! there are is in both answers. Where error falls in proportion to the edge, and errors on the two cuts are not alike in sign, as along the edges of
 //! shadows, the change is √5 times the error that is left; where they are alike, as around corners, no more than twice.
+//!
+//! Near lamps light varies within patches more than merging them shows. What is known of it there tells what it changes elsewhere.
 
 use std::collections::HashSet;
 
@@ -71,9 +70,6 @@ impl Insight {
     }
 }
 
-/// Patches of clusters with fewer patches than this tell by what varies within them.
-const FEW: usize = 3;
-
 /// How exactly the change is solved for, as a part of it.
 const ROUGHLY: f64 = 0.01;
 
@@ -81,7 +77,7 @@ const ROUGHLY: f64 = 0.01;
 pub(super) struct MeshError {
     /// How far irradiance per patch (n × c, W·m⁻²) may be off, with the sign in which coarser elements change it.
     pub by_merging: DMatrix<f64>,
-    /// What light that varies within patches changes that are near lamps or can't be merged, as either half of the rays has it; nothing for linear elements.
+    /// What light that varies within patches near lamps changes, as either half of the rays has it; nothing for linear elements.
     pub by_variation: [DMatrix<f64>; 2],
     /// How much this tells.
     pub insight: Insight,
@@ -117,18 +113,18 @@ pub(super) fn mesh_error(
     Ok(MeshError { by_merging, by_variation, insight })
 }
 
-/// What light that varies within patches changes that are near lamps or can't be merged, all reflections of it included.
+/// What light that varies within patches near lamps changes, all reflections of it included.
 fn varied(
     patches: &Patches,
     clusters: &Clusters,
     (factors, k): (&FormFactors, &Transport),
     radiance: &DMatrix<f64>,
 ) -> Result<[DMatrix<f64>; 2], MeasureError> {
-    let mut size = vec![0; clusters.count];
-    clusters.of_patch.iter().for_each(|&cluster| size[cluster] += 1);
-    let is_alone: Vec<bool> = clusters.of_patch.iter().map(|&cluster| size[cluster] < FEW).collect();
-    let [first, second] = factors.varied(patches, radiance, &is_alone)?;
+    let [first, second] = factors.varied(patches, radiance)?;
     let with_reflections = |straight: DMatrix<f64>| -> Result<DMatrix<f64>, MeasureError> {
+        if straight.iter().all(|&change| change == 0.0) {
+            return Ok(straight);
+        }
         let reflected = k.reflect(&patches.average_by(clusters, &straight));
         let more = k.irradiance(&roughly(k, &reflected, ROUGHLY, Progress::default())?);
         Ok(straight + patches.spread_over(clusters, &more))

@@ -252,7 +252,7 @@ pub struct Verdict {
 impl Verdict {
     /// Judges an answer.
     ///
-    /// It costs three products with the matrix, and, where rays escape, up to two million solid angles.
+    /// It costs three products with the matrix, and, where rays escape, up to a quarter of a million solid angles.
     pub fn of(answer: &Answer) -> Self {
         let mut reasons = light::not_finite(answer);
         // Nothing can be added up where numbers are missing.

@@ -13,7 +13,7 @@ use crate::transport::Exchange;
 
 /// The most solid angles that are summed to find what is inside closed surfaces; patches with the most
 /// escaping power come first.
-const MOST_ANGLES: usize = 2_000_000;
+const MOST_ANGLES: usize = 250_000;
 
 /// Faces that lack more than this part of what they exchange are told, however little power that is.
 const NOTABLE: f64 = 1e-3;
