@@ -28,19 +28,7 @@ pub fn form_factor_to_triangle(point: DVec3, normal: DVec3, corners: &[DVec3; 3]
         return 0.0;
     }
     // Clip at the horizon: at most four corners remain.
-    let mut seen = [DVec3::ZERO; 4];
-    let mut count = 0;
-    for (from, to) in [(a, b), (b, c), (c, a)] {
-        let (high, next) = (normal.dot(from), normal.dot(to));
-        if high > 0.0 {
-            seen[count] = from;
-            count += 1;
-        }
-        if (high > 0.0) != (next > 0.0) {
-            seen[count] = from + (to - from) * (high / (high - next));
-            count += 1;
-        }
-    }
+    let (seen, count) = in_front(&[a, b, c], DVec3::ZERO, normal);
     let seen = &seen[..count];
     let edge = |k: usize| {
         let (from, to) = (seen[k], seen[(k + 1) % count]);
@@ -76,6 +64,7 @@ fn wound_around(normal: DVec3, [a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
 }
 
 /// The part of a triangle in front of the plane through a point with a unit normal, and its number of corners.
+#[inline]
 fn in_front(corners: &[DVec3; 3], plane: DVec3, normal: DVec3) -> ([DVec3; 4], usize) {
     let mut kept = [DVec3::ZERO; 4];
     let mut count = 0;

@@ -10,7 +10,6 @@ use super::rays::Rows;
 use super::recipe::BATCHES;
 use super::storage::{Storage, StorageKind};
 use crate::patches::{Basis, Patches};
-use crate::scene::Side;
 
 /// Raw exchange areas: symmetric, not yet balanced.
 pub(super) struct Raw {
@@ -78,11 +77,7 @@ pub(super) fn assemble(
     left_out: Option<u32>,
 ) -> Raw {
     let n = patches.len();
-    let is_lamp = |i: usize| {
-        let place = patches.place(i);
-        place.side == Side::Front && rows.lamp_faces.binary_search(&(place.face as u32)).is_ok()
-    };
-    let is_lamp: Vec<bool> = (0..n).map(is_lamp).collect();
+    let is_lamp: Vec<bool> = (0..n).map(|i| rows.is_lamp(patches, i)).collect();
     if rows.recipe.basis == Basis::Linear {
         return moments::assemble(rows, patches, tone, kind, left_out, &is_lamp);
     }

@@ -108,6 +108,12 @@ impl Rows {
         &self.rows
     }
 
+    /// Whether a patch is the front of a face that light sampling took as a lamp.
+    pub fn is_lamp(&self, patches: &Patches, i: usize) -> bool {
+        let place = patches.place(i);
+        place.side == Side::Front && self.lamp_faces.binary_search(&(place.face as u32)).is_ok()
+    }
+
     /// The row of a slot that has one.
     pub fn of(&self, slot: u32) -> Option<&Row> {
         self.rows.binary_search_by_key(&slot, |row| row.slot).ok().map(|k| &self.rows[k])

@@ -17,7 +17,6 @@ use super::rays::{Row, Rows};
 use super::recipe::BATCHES;
 use super::{FormFactors, TransportError};
 use crate::patches::{Clusters, Patches};
-use crate::scene::Side;
 
 /// Columns that are taken at a time: three of the field, and one of ones for row sums.
 const LANES: usize = 4;
@@ -137,11 +136,7 @@ impl<'a> Setting<'a> {
         let each = exchange.basis().coefficients();
         let (_, scale) = exchange.raw();
         let scale = scale.as_slice().chunks(each).map(|of_patch| of_patch.iter().sum::<f64>() / each as f64);
-        let is_lamp = |i: usize| {
-            let place = patches.place(i);
-            place.side == Side::Front && rows.lamp_faces.binary_search(&(place.face as u32)).is_ok()
-        };
-        let is_lamp: Vec<bool> = (0..n).map(is_lamp).collect();
+        let is_lamp: Vec<bool> = (0..n).map(|i| rows.is_lamp(patches, i)).collect();
         let exchanged = |j: usize| {
             let mut all = Vec::new();
             by_patch.for_row(j, |k, area| all.push((k as u32, area)));

@@ -75,11 +75,8 @@ struct Setting<'a> {
 
 impl<'a> Setting<'a> {
     fn new(rows: &'a Rows, patches: &'a Patches<'a>) -> Self {
-        let is_lamp = (0..patches.len()).map(|i| {
-            let place = patches.place(i);
-            place.side == Side::Front && rows.lamp_faces.binary_search(&(place.face as u32)).is_ok()
-        });
-        Self { rows, patches, is_lamp: is_lamp.collect() }
+        let is_lamp = (0..patches.len()).map(|i| rows.is_lamp(patches, i)).collect();
+        Self { rows, patches, is_lamp }
     }
 
     fn row(&self, i: usize) -> Option<&'a Row> {
