@@ -98,7 +98,7 @@ pub(super) fn has_carriers(patches: &Patches) -> bool {
 }
 
 /// What one patch found of its exchange area with another; the pair's exchange area is the sum of both findings.
-type Part = (u32, f64);
+type Part = (u32, f32);
 
 /// Sums up rows into findings.
 struct Finder<'a> {
@@ -147,14 +147,14 @@ impl Finder<'_> {
         for run in sorted.chunk_by(|a, b| a == b) {
             let (patch, count) = (run[0], run.len() as f64);
             let j = patch as usize;
-            parts.push((patch, areas[i] * areas[j] / (areas[i] + areas[j]) * count / rays));
+            parts.push((patch, (areas[i] * areas[j] / (areas[i] + areas[j]) * count / rays) as f32));
         }
         let used = if self.left_out.is_some() { BATCHES - 1 } else { BATCHES };
         let worth = areas[i] * BATCHES as f64 / used as f64;
         let mut of_lamps: Vec<_> =
             row.lamps.shares.iter().filter(|s| Some(s.batch) != self.left_out).collect();
         of_lamps.sort_unstable_by_key(|s| (s.slot, s.batch));
-        let mut lamps: Vec<Part> = Vec::new();
+        let mut lamps: Vec<(u32, f64)> = Vec::new();
         for run in of_lamps.chunk_by(|a, b| a.slot == b.slot) {
             if let Some(patch) = self.patches.patch_of_slot(run[0].slot) {
                 lamps.push((patch, worth * run.iter().map(|s| f64::from(s.share)).sum::<f64>()));
@@ -170,7 +170,8 @@ impl Finder<'_> {
             lamps.extend(caustics.filter_map(|c| self.patches.patch_of_slot(c.lamp)).map(by_carriers));
         }
         lamps.sort_by_key(|part| part.0);
-        let whole = |run: &[Part]| (run[0].0, run.iter().map(|part| part.1).sum());
+        let whole =
+            |run: &[(u32, f64)]| (run[0].0, run.iter().map(|part| part.1).sum::<f64>() as f32);
         parts.extend(lamps.chunk_by(|a, b| a.0 == b.0).map(whole));
         parts.sort_unstable_by_key(|part| part.0);
         (parts, leaving)
@@ -181,7 +182,7 @@ fn dense(n: usize, parts: &[Vec<Part>]) -> DMatrix<f32> {
     let mut m = DMatrix::zeros(n, n);
     // Column i holds what i found.
     m.as_mut_slice().par_chunks_mut(n).zip(parts).for_each(|(column, parts): (&mut [f32], _)| {
-        parts.iter().for_each(|&(j, part)| column[j as usize] = part as f32);
+        parts.iter().for_each(|&(j, part)| column[j as usize] = part);
     });
     // A patch that sees itself, as in a mirror, found both directions of that pair.
     for j in 0..n {
@@ -195,28 +196,48 @@ fn dense(n: usize, parts: &[Vec<Part>]) -> DMatrix<f32> {
 }
 
 fn sparse(n: usize, parts: &[Vec<Part>]) -> CsMatI<f32, u32, usize> {
-    // Gather, for each patch, what others found of it; ascending because patches come in order.
-    let mut from: Vec<Vec<Part>> = vec![Vec::new(); n];
-    for (i, parts) in parts.iter().enumerate() {
-        parts.iter().for_each(|&(j, part)| from[j as usize].push((i as u32, part)));
+    let told = told_by_others(n, parts);
+    let rows: Vec<Vec<Part>> = parts.par_iter().zip(told).map(|(own, told)| joined(own, &told)).collect();
+    let entries = rows.iter().map(Vec::len).sum();
+    let (mut starts, mut indices, mut values) =
+        (vec![0], Vec::with_capacity(entries), Vec::with_capacity(entries));
+    for row in &rows {
+        indices.extend(row.iter().map(|part| part.0));
+        values.extend(row.iter().map(|part| part.1));
+        starts.push(indices.len());
     }
-    let rows: Vec<Vec<(u32, f32)>> = (0..n)
-        .into_par_iter()
-        .map(|i| {
-            let mut both: Vec<Part> = parts[i].iter().chain(&from[i]).copied().collect();
-            both.sort_by_key(|part| part.0);
-            // Sums of two f32 commute: both triangles get the same bits.
-            both.chunk_by(|a, b| a.0 == b.0)
-                .map(|pair| (pair[0].0, pair.iter().map(|part| part.1 as f32).sum()))
-                .collect()
-        })
-        .collect();
-    drop(from);
-    let mut starts = vec![0];
-    rows.iter().for_each(|row| starts.push(starts[starts.len() - 1] + row.len()));
-    let indices = rows.iter().flatten().map(|&(j, _)| j).collect();
-    let values = rows.iter().flatten().map(|&(_, value)| value).collect();
     CsMatI::new((n, n), starts, indices, values)
+}
+
+/// What others found of each patch; ascending because patches come in order.
+fn told_by_others(n: usize, parts: &[Vec<Part>]) -> Vec<Vec<Part>> {
+    /// Patches that are told at a time: the ends of so many lists stay at hand.
+    const TOGETHER: usize = 512;
+    let of_some = |first: usize| {
+        let end = n.min(first + TOGETHER);
+        let mut told = vec![Vec::new(); end - first];
+        for (i, parts) in (0u32..).zip(parts) {
+            let start = parts.partition_point(|part| (part.0 as usize) < first);
+            for &(j, part) in parts[start..].iter().take_while(|part| (part.0 as usize) < end) {
+                told[j as usize - first].push((i, part));
+            }
+        }
+        told
+    };
+    (0..n.div_ceil(TOGETHER)).into_par_iter().flat_map_iter(|k| of_some(k * TOGETHER)).collect()
+}
+
+/// A row from both findings of its pairs. Sums of two f32 commute: both triangles get the same bits.
+fn joined(own: &[Part], told: &[Part]) -> Vec<Part> {
+    let mut row = Vec::with_capacity(own.len() + told.len());
+    let mut told = told.iter().copied().peekable();
+    for &(j, part) in own {
+        row.extend(std::iter::from_fn(|| told.next_if(|other| other.0 < j)));
+        let other = told.next_if(|other| other.0 == j).map_or(0.0, |other| other.1);
+        row.push((j, part + other));
+    }
+    row.extend(told);
+    row
 }
 
 impl StorageKind {

@@ -127,12 +127,10 @@ fn multiply_dense(m: &DMatrix<f32>, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
     let (n, channels) = x.shape();
     let mut rows = vec![0.0; n * channels];
     rows.par_chunks_mut(channels).enumerate().for_each(|(i, sums)| {
-        let mut wide = [0.0f64; STRETCH];
         for (k, stretch) in m.as_slice()[i * n..(i + 1) * n].chunks(STRETCH).enumerate() {
-            wide.iter_mut().zip(stretch).for_each(|(wide, &narrow)| *wide = f64::from(narrow));
             for (c, sum) in sums.iter_mut().enumerate() {
                 let first = c * n + k * STRETCH;
-                *sum += dot(&wide[..stretch.len()], &x.as_slice()[first..first + stretch.len()]);
+                *sum += dot(stretch, &x.as_slice()[first..first + stretch.len()]);
             }
         }
     });
@@ -140,13 +138,14 @@ fn multiply_dense(m: &DMatrix<f32>, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
 }
 
 /// A dot product in eight lanes, for the compiler to vectorise.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+fn dot(a: &[f32], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
-    let tail: f64 = chunks_a.remainder().iter().zip(chunks_b.remainder()).map(|(a, b)| a * b).sum();
+    let rest = chunks_a.remainder().iter().zip(chunks_b.remainder());
+    let tail: f64 = rest.map(|(&a, b)| f64::from(a) * b).sum();
     for (a, b) in chunks_a.zip(chunks_b) {
         for k in 0..8 {
-            lanes[k] += a[k] * b[k];
+            lanes[k] += f64::from(a[k]) * b[k];
         }
     }
     lanes.iter().sum::<f64>() + tail
@@ -156,7 +155,6 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 fn multiply_sparse<const LANES: usize>(m: &CsMatI<f32, u32, usize>, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
     let (n, channels) = x.shape();
     let starts = m.proper_indptr();
-    let (indices, values) = (m.indices(), m.data());
     for first in (0..channels).step_by(LANES) {
         let used = LANES.min(channels - first);
         let lane = |i: usize, k: usize| if k < used { x[(i, first + k)] } else { 0.0 };
@@ -165,19 +163,34 @@ fn multiply_sparse<const LANES: usize>(m: &CsMatI<f32, u32, usize>, x: &DMatrix<
             .into_par_iter()
             .with_min_len(64)
             .map(|i| {
-                let mut sum = [0.0; LANES];
                 let range = starts[i]..starts[i + 1];
-                for (&j, &value) in indices[range.clone()].iter().zip(&values[range]) {
-                    let x = &beside[j as usize];
-                    for k in 0..LANES {
-                        sum[k] += f64::from(value) * x[k];
-                    }
-                }
-                sum
+                sparse_dot(&m.indices()[range.clone()], &m.data()[range], &beside)
             })
             .collect();
         for k in 0..used {
             y.column_mut(first + k).iter_mut().zip(&sums).for_each(|(y, sum)| *y = sum[k]);
         }
     }
+}
+
+/// Σ values · x[indices] for each lane of x. Four sums are under way at a time: a processor adds faster than it can tell what comes out.
+fn sparse_dot<const LANES: usize>(indices: &[u32], values: &[f32], x: &[[f64; LANES]]) -> [f64; LANES] {
+    const WAYS: usize = 4;
+    let mut sums = [[0.0; LANES]; WAYS];
+    let (fours, values_of_fours) = (indices.chunks_exact(WAYS), values.chunks_exact(WAYS));
+    let rest = fours.remainder().iter().zip(values_of_fours.remainder());
+    for (indices, values) in fours.zip(values_of_fours) {
+        for way in 0..WAYS {
+            let (x, value) = (&x[indices[way] as usize], f64::from(values[way]));
+            for k in 0..LANES {
+                sums[way][k] += value * x[k];
+            }
+        }
+    }
+    for (&j, &value) in rest {
+        for k in 0..LANES {
+            sums[0][k] += f64::from(value) * x[j as usize][k];
+        }
+    }
+    std::array::from_fn(|k| (sums[0][k] + sums[1][k]) + (sums[2][k] + sums[3][k]))
 }
