@@ -2,7 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
+use std::io;
+use std::ops::Range;
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::Instant;
 
 use nalgebra::DMatrix;
 use radiosity::measure::{Answer, Energy, ErrorBars, ErrorBudget, ErrorPart, Verdict};
@@ -50,6 +55,7 @@ pub enum Law {
 /// How one scene fared.
 pub struct Outcome {
     pub seed: u64,
+    pub seconds: f64,
     pub features: BTreeSet<&'static str>,
     /// The laws that were broken, and how.
     pub broken: Vec<(Law, String)>,
@@ -59,15 +65,45 @@ pub struct Outcome {
     pub is_refused: bool,
 }
 
-/// Writes the scene of a seed to a folder and tests all laws on it.
+/// Tests all laws on the scenes of these seeds, as many at a time as there are processors, each of which keeps to one; `see` is
+/// shown every outcome as it comes.
 ///
 /// # Errors
 /// If the folder can't be written.
-pub fn check(seed: u64, folder: &Path) -> std::io::Result<Outcome> {
+pub fn check_all(
+    seeds: Range<u64>,
+    folder: &Path,
+    see: impl Fn(&Outcome) + Sync,
+) -> io::Result<Vec<Outcome>> {
+    let next = AtomicU64::new(seeds.start);
+    let work = || -> io::Result<Vec<Outcome>> {
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(io::Error::other)?;
+        let taken = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|seed| seeds.contains(seed));
+        std::iter::from_fn(taken)
+            .map(|seed| alone.install(|| check(seed, folder)).inspect(|outcome| see(outcome)))
+            .collect()
+    };
+    let processors = thread::available_parallelism()?.get();
+    let found: Vec<io::Result<Vec<Outcome>>> = thread::scope(|scope| {
+        let workers: Vec<_> = (0..processors).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().map(|worker| worker.join().expect("no panic")).collect()
+    });
+    let mut outcomes: Vec<Outcome> =
+        found.into_iter().collect::<io::Result<Vec<_>>>()?.into_iter().flatten().collect();
+    outcomes.sort_by_key(|outcome| outcome.seed);
+    Ok(outcomes)
+}
+
+/// Writes the scene of a seed to a folder of its own and tests all laws on it.
+fn check(seed: u64, folder: &Path) -> io::Result<Outcome> {
+    let began = Instant::now();
     let random = RandomScene::new(seed, Lift::Flush);
-    let path = random.write(folder)?;
+    let folder = folder.join(format!("seed_{seed}"));
+    std::fs::create_dir_all(&folder)?;
+    let path = random.write(&folder)?;
     let mut outcome = Outcome {
         seed,
+        seconds: 0.0,
         features: random.features.clone(),
         broken: Vec::new(),
         warnings: Vec::new(),
@@ -83,6 +119,7 @@ pub fn check(seed: u64, folder: &Path) -> std::io::Result<Outcome> {
             _ => outcome.broken.push((Law::Solved, failure.to_string())),
         }
     }
+    outcome.seconds = began.elapsed().as_secs_f64();
     Ok(outcome)
 }
 

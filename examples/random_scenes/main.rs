@@ -19,6 +19,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use laws::Outcome;
 use tally::Tally;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -40,24 +41,24 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     std::fs::create_dir_all(&folder)?;
     let began = Instant::now();
-    let mut outcomes = Vec::new();
-    for seed in seeds {
-        let began = Instant::now();
-        let outcome = laws::check(seed, &folder)?;
-        let features: Vec<&str> = outcome.features.iter().copied().collect();
-        let state = match outcome.is_refused {
-            true => "refused",
-            false if outcome.broken.is_empty() => "good",
-            false => "broken",
-        };
-        println!("{seed:4} {state:7} {:5.1} s  {}", began.elapsed().as_secs_f64(), features.join(", "));
-        outcome.broken.iter().for_each(|(law, how)| println!("       {law:?}: {how}"));
-        outcome.warnings.iter().for_each(|warning| println!("       warning: {warning}"));
-        outcomes.push(outcome);
-    }
-    let tally = Tally(outcomes);
+    let tally = Tally(laws::check_all(seeds, &folder, show)?);
     println!("\n{}\n{:.0} s", tally.table(), began.elapsed().as_secs_f64());
     let failures = tally.failures();
     failures.iter().for_each(|failure| eprintln!("{failure}"));
     if failures.is_empty() { Ok(()) } else { Err("laws are broken".into()) }
+}
+
+/// Prints how one scene fared, in one piece: several are at work at a time.
+fn show(outcome: &Outcome) {
+    let features: Vec<&str> = outcome.features.iter().copied().collect();
+    let state = match outcome.is_refused {
+        true => "refused",
+        false if outcome.broken.is_empty() => "good",
+        false => "broken",
+    };
+    let mut text =
+        format!("{:4} {state:7} {:5.1} s  {}\n", outcome.seed, outcome.seconds, features.join(", "));
+    outcome.broken.iter().for_each(|(law, how)| text += &format!("       {law:?}: {how}\n"));
+    outcome.warnings.iter().for_each(|warning| text += &format!("       warning: {warning}\n"));
+    print!("{text}");
 }

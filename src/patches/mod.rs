@@ -26,7 +26,7 @@ mod size;
 mod subdivide;
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use nalgebra::DMatrix;
@@ -134,7 +134,12 @@ pub struct Patches<'s> {
     is_translucent: bool,
     /// Per slot, whether another face covers it; empty where no faces coincide.
     covered: Vec<bool>,
+    /// What textures of reflectance and of emission are on each patch, once that was asked for.
+    means: [OnceLock<Means>; 2],
 }
+
+/// Per patch, the mean of a texture over it, where it has one.
+type Means = Vec<Option<[f64; 3]>>;
 
 /// The patch of a slot that is none.
 const NONE: u32 = u32::MAX;
@@ -207,6 +212,7 @@ impl<'s> Patches<'s> {
             edge,
             is_translucent: (0..faces).any(|f| kept(f) && scene.material_of(f).transmittance().is_some()),
             covered: Vec::new(),
+            means: Default::default(),
         };
         patches.covered = patches.covered_slots(tracer);
         patches.per_area = patches.etendues_per_area(tracer);
@@ -243,6 +249,7 @@ impl<'s> Patches<'s> {
                 self.patch_of_slot[slot as usize] = 0;
             }
         }
+        self.means = Default::default();
         self.slot_of_patch = (0..self.patch_of_slot.len() as u32)
             .filter(|&s| self.patch_of_slot[s as usize] != NONE)
             .collect();
@@ -470,7 +477,7 @@ impl<'s> Patches<'s> {
         let mut rho = DMatrix::from_fn(self.len(), scene.channels(), |i, c| {
             scene.material_of(places[i].face).reflectance_of(places[i].side)[c]
         });
-        self.vary(&mut rho, |i| scene.reflectance_texture(places[i].face));
+        self.vary(&mut rho, &self.means[0], |i| scene.reflectance_texture(places[i].face));
         rho
     }
 
@@ -482,17 +489,30 @@ impl<'s> Patches<'s> {
             Side::Front => scene.material_of(places[i].face).emission[c],
             Side::Back => 0.0,
         });
-        self.vary(&mut emission, |i| scene.emission_texture(places[i].face));
+        self.vary(&mut emission, &self.means[1], |i| scene.emission_texture(places[i].face));
         emission
     }
 
     /// Multiplies each patch's row by the mean over the patch of its texture, where it has one.
-    fn vary<'t>(&self, rows: &mut DMatrix<f64>, texture: impl Fn(usize) -> Option<FaceTexture<'t>> + Sync) {
+    fn vary<'t>(
+        &self,
+        rows: &mut DMatrix<f64>,
+        means: &OnceLock<Means>,
+        texture: impl Fn(usize) -> Option<FaceTexture<'t>> + Sync,
+    ) {
         if !self.scene.has_textures() {
             return;
         }
         let mean = |i: usize| texture(i).map(|texture| texture.mean_over(self.corners(i)));
-        let means: Vec<_> = (0..self.len()).into_par_iter().map(mean).collect();
+        let all = || (0..self.len()).into_par_iter().map(mean).collect();
+        // Not made under the lock: a thread that waits for others may take up work that asks for the same.
+        let means = match means.get() {
+            Some(known) => known,
+            None => {
+                let found = all();
+                means.get_or_init(|| found)
+            }
+        };
         for (mut row, factors) in rows.row_iter_mut().zip(means) {
             let factors = factors.unwrap_or([1.0; 3]);
             row.iter_mut().zip(factors).for_each(|(value, factor)| *value *= factor);

@@ -56,26 +56,24 @@ impl Piece {
 #[derive(Clone, Debug, PartialEq)]
 struct Grid {
     rows: u32,
-    columns: u32,
+    /// Into how many segments each line is divided, from the apex to the base, see [`segments_of`], and how long these are; 0 at the apex.
+    lines: Vec<(u32, f64)>,
     /// Per row, and one more: its first cell.
     first_cell: Vec<u32>,
 }
 
 impl Grid {
     fn new(rows: u32, columns: u32) -> Self {
-        let mut grid = Self { rows, columns, first_cell: vec![0] };
-        let mut total = 0;
-        for row in 0..rows {
-            total += grid.segments(row) + grid.segments(row + 1);
-            grid.first_cell.push(total);
+        let line = |line: u32| match segments_of(line, rows, columns) {
+            0 => (0, 0.0),
+            segments => (segments, f64::from(line) / f64::from(rows) / f64::from(segments)),
+        };
+        let lines: Vec<(u32, f64)> = (0..=rows).map(line).collect();
+        let mut first_cell = vec![0];
+        for (row, ends) in lines.windows(2).enumerate() {
+            first_cell.push(first_cell[row] + ends[0].0 + ends[1].0);
         }
-        grid
-    }
-
-    /// Into how many segments line `line` is divided: none at the apex, `columns` at the base.
-    fn segments(&self, line: u32) -> u32 {
-        let even = (2 * line as u64 * self.columns as u64 + self.rows as u64) / (2 * self.rows as u64);
-        if line == 0 { 0 } else { (even as u32).max(1) }
+        Self { rows, lines, first_cell }
     }
 
     fn cells(&self) -> u32 {
@@ -86,10 +84,8 @@ impl Grid {
     fn cell_at(&self, h: f64, w: f64) -> u32 {
         let rows = self.rows as f64;
         let row = ((h * rows) as u32).min(self.rows - 1);
-        let (inner, outer) = (self.segments(row), self.segments(row + 1));
+        let [(inner, inner_step), (outer, outer_step)] = [0, 1].map(|k| self.lines[row as usize + k]);
         let f = h * rows - row as f64;
-        let outer_step = (row + 1) as f64 / rows / outer as f64;
-        let inner_step = if inner == 0 { 0.0 } else { row as f64 / rows / inner as f64 };
         // Lines from inner to outer vertex j stand `step` apart at this height; a diagonal leads on from each
         // inner vertex j to outer vertex j + 1.
         let step = inner_step + f * (outer_step - inner_step);
@@ -105,13 +101,19 @@ impl Grid {
             ((cell - self.first_cell[row as usize]) / 2, (cell - self.first_cell[row as usize]) % 2);
         let vertex = |line: u32, k: u32| {
             let h = line as f64 / self.rows as f64;
-            (h, h * k as f64 / self.segments(line).max(1) as f64)
+            (h, h * k as f64 / self.lines[line as usize].0.max(1) as f64)
         };
         match second {
             0 => [vertex(row, j), vertex(row + 1, j), vertex(row + 1, j + 1)],
             _ => [vertex(row, j), vertex(row + 1, j + 1), vertex(row, j + 1)],
         }
     }
+}
+
+/// Into how many segments line `line` of a triangle in so many rows is divided: none at the apex, `columns` at the base.
+fn segments_of(line: u32, rows: u32, columns: u32) -> u32 {
+    let even = (2 * line as u64 * columns as u64 + rows as u64) / (2 * rows as u64);
+    if line == 0 { 0 } else { (even as u32).max(1) }
 }
 
 /// Segments no longer than `edge` that a length is divided into.
@@ -163,8 +165,8 @@ impl Grid {
         if rows == columns {
             return rows as u64 * rows as u64;
         }
-        let grid = Self { rows, columns, first_cell: Vec::new() };
-        (0..rows).map(|row| (grid.segments(row) + grid.segments(row + 1)) as u64).sum()
+        let segments = |line: u32| u64::from(segments_of(line, rows, columns));
+        (0..rows).map(|row| segments(row) + segments(row + 1)).sum()
     }
 }
 
@@ -245,9 +247,14 @@ impl Cuts {
     #[inline(never)]
     fn piece_at(&self, face: usize, point: DVec2) -> &Piece {
         let pieces = self.pieces(face);
-        let depth = |&piece: &u32| pieces[piece as usize].depth(point);
-        let deepest = self.pieces_near(face, point).iter().max_by(|a, b| depth(a).total_cmp(&depth(b)));
-        &pieces[deepest.map_or(0, |&piece| piece as usize)]
+        let mut deepest = (0, f64::NEG_INFINITY);
+        for &piece in self.pieces_near(face, point) {
+            let depth = pieces[piece as usize].depth(point);
+            if depth >= deepest.1 {
+                deepest = (piece as usize, depth);
+            }
+        }
+        &pieces[deepest.0]
     }
 
     /// The pieces of a face of many in which a point may lie.

@@ -129,16 +129,15 @@ pub fn cosine_hemisphere(square: [f64; 2]) -> DVec3 {
 #[inline]
 fn concentric([u, v]: [f64; 2]) -> ([f64; 2], f64) {
     let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-    if x == 0.0 && y == 0.0 {
-        ([0.0; 2], 0.0)
-    } else if x.abs() > y.abs() {
-        let [sine, cosine] = sine_and_cosine(PI / 4.0 * (y / x));
-        ([x * cosine, x * sine], x)
-    } else {
-        // Of the angle that is lacking to a right one.
-        let [sine, cosine] = sine_and_cosine(PI / 4.0 * (x / y));
-        ([y * sine, y * cosine], y)
+    // Which is the larger is a matter of chance: both are chosen from rather than branched on.
+    let is_upright = x.abs() <= y.abs();
+    let (radius, other) = if is_upright { (y, x) } else { (x, y) };
+    if radius == 0.0 {
+        return ([0.0; 2], 0.0);
     }
+    let [sine, cosine] = sine_and_cosine(PI / 4.0 * (other / radius));
+    let (along, across) = (radius * cosine, radius * sine);
+    (if is_upright { [across, along] } else { [along, across] }, radius)
 }
 
 /// Sine and cosine of an angle of at most π/4, to the last bit or two: the polynomials of fdlibm (Sun Microsystems 1993). Those of the
