@@ -170,8 +170,7 @@ impl Finder<'_> {
             lamps.extend(caustics.filter_map(|c| self.patches.patch_of_slot(c.lamp)).map(by_carriers));
         }
         lamps.sort_by_key(|part| part.0);
-        let whole =
-            |run: &[(u32, f64)]| (run[0].0, run.iter().map(|part| part.1).sum::<f64>() as f32);
+        let whole = |run: &[(u32, f64)]| (run[0].0, run.iter().map(|part| part.1).sum::<f64>() as f32);
         parts.extend(lamps.chunk_by(|a, b| a.0 == b.0).map(whole));
         parts.sort_unstable_by_key(|part| part.0);
         (parts, leaving)

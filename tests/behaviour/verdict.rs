@@ -7,7 +7,7 @@ use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Light, Material, Scene, Side};
 use radiosity::solve::{self, Method, Solution, SolveOptions};
-use radiosity::trace::Tracer;
+use radiosity::trace::{OverlapKind, Tracer};
 use radiosity::transport::{
     Disagreement, Exchange, FormFactors, Keep, LightOptions, Sources, Storage, TraceOptions, Transport,
 };
@@ -410,6 +410,27 @@ fn faces_that_overlap_are_told_and_do_no_harm() {
     let [named, all] =
         [0, 1].map(|k| (0..areas.len()).filter(|i| k == 1 || is_named(i)).map(flux).sum::<f64>());
     assert!((reason.power_share.unwrap() / (named / all) - 1.0).abs() < 1e-9, "{reason:?}");
+}
+
+#[test]
+fn overlaps_that_no_light_has_to_do_with_are_not_told() {
+    let standing = |underside: u32| {
+        let walls = room([0.0; 3], [2.0, 3.0, 2.5]).map(|wall| (wall, 0));
+        let boxes = [([0.4, 0.4], [1.0, 1.2], 0.5), ([0.7, 0.8], [1.6, 1.9], 0.8)];
+        let sides = boxes.map(|([x, y], [to_x, to_y], height)| {
+            let quads = room([x, y, 0.0], [to_x, to_y, height]).map(flipped);
+            [0, 1, 2, 3, 4, 5].map(|side| (quads[side], if side == 2 { underside } else { 0 }))
+        });
+        quads(&[&walls[..], &[(LAMP, 1)], &sides[0], &sides[1]].concat(), materials())
+    };
+    let (dark, shining) = (standing(0), standing(1));
+    let verdict = |scene: &Scene| {
+        let case = Case::new(scene, 300, 64, Basis::Constant);
+        assert!(case.tracer.overlaps().iter().any(|overlap| overlap.kind == OverlapKind::SameFront));
+        case.judge(&case.solve(Method::Direct))
+    };
+    assert_eq!(verdict(&dark), Verdict::default());
+    only(&verdict(&shining), Cause::Overlap, Level::Good);
 }
 
 #[test]

@@ -153,11 +153,15 @@ pub(super) fn imbalance(answer: &Answer, explained: f64) -> Option<Reason> {
         .then(|| Reason::new(Cause::EnergyImbalance, level, Some(share), Vec::new(), answer.tracer.scene()))
 }
 
-/// Faces that others in their plane with the same front cover.
+/// Faces that others in their plane with the same front cover; none where no light has to do with them, as with undersides of what stands
+/// on a floor.
 pub(super) fn overlaps(answer: &Answer) -> Option<Reason> {
     let overlaps = answer.tracer.overlaps().iter().filter(|overlap| overlap.kind == OverlapKind::SameFront);
-    let faces = overlaps.flat_map(|overlap| overlap.faces).map(|face| face as usize);
-    listed(answer, Cause::Overlap, Level::Good, faces.collect())
+    let faces: Vec<usize> = overlaps.flat_map(|overlap| overlap.faces).map(|face| face as usize).collect();
+    let scene = answer.tracer.scene();
+    let shine = faces.iter().any(|&face| scene.material_of(face).emits());
+    listed(answer, Cause::Overlap, Level::Good, faces)
+        .filter(|reason| shine || reason.power_share.is_none_or(|share| share > 0.0))
 }
 
 /// Sides of faces whose rays to and fro find different amounts of light.
