@@ -56,7 +56,7 @@ impl Piece {
 #[derive(Clone, Debug, PartialEq)]
 struct Grid {
     rows: u32,
-    /// Into how many segments each line is divided, from the apex to the base, see [`segments_of`], and how long these are; 0 at the apex.
+    /// Into how many segments each line is divided, from the apex to the base, see `segments_of`, and how long these are; 0 at the apex.
     lines: Vec<(u32, f64)>,
     /// Per row, and one more: its first cell.
     first_cell: Vec<u32>,

@@ -173,7 +173,7 @@ fn multiply_sparse<const LANES: usize>(m: &CsMatI<f32, u32, usize>, x: &DMatrix<
     }
 }
 
-/// Σ values · x[indices] for each lane of x. Four sums are under way at a time: a processor adds faster than it can tell what comes out.
+/// Σ values · x at the indices, for each lane of x. Four sums are under way at a time: a processor adds faster than it can tell what comes out.
 fn sparse_dot<const LANES: usize>(indices: &[u32], values: &[f32], x: &[[f64; LANES]]) -> [f64; LANES] {
     const WAYS: usize = 4;
     let mut sums = [[0.0; LANES]; WAYS];
