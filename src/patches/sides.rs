@@ -3,6 +3,8 @@
 //! Reached is a flag per slot. Lamps are reached, and what lights without area and the sky shine on; from every reached slot that reflects or emits, light goes on to what its rays meet
 //! and to what sees it, until nothing new turns up; where a sheet lets light through, both of its sides are reached at once. What no light reaches costs nothing and stays exactly zero.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::facing::seeing_sides;
@@ -32,6 +34,9 @@ pub(super) const GLANCE: u32 = 4;
 
 /// Looks straight at lamps, which are small and easily missed.
 const LAMP_LOOKS: u32 = 32;
+
+/// The same where light reaches other slots of the side: a slot at the edge of a shadow may see a small part of a lamp, or a lamp from a small part of it.
+const CLOSE_LOOKS: u32 = 256;
 
 impl Patches<'_> {
     /// Finds the reached slots and makes them patches.
@@ -108,10 +113,11 @@ impl Patches<'_> {
         may_look: impl Fn(u32) -> bool,
     ) -> Result<Vec<u32>, Cancelled> {
         let slots = self.slots();
-        let lamps = Lamps::new(tracer);
+        let (lamps, lights) = (Lamps::new(tracer), Lights::new(tracer));
         let mut seen_by: Vec<Option<Vec<u32>>> = vec![None; slots];
-        let mut reached = vec![false; slots];
-        let shone_on = self.shone_on(tracer, options.seed);
+        let [mut reached, mut looked_close] = [0, 1].map(|_| vec![false; slots]);
+        let shone_on =
+            lights.as_ref().map_or_else(Vec::new, |lights| self.shone_on(tracer, lights, options.seed));
         let starts = |&s: &u32| self.emits(s) || shone_on.get(s as usize).is_some_and(|&lit| lit);
         let mut wave: Vec<u32> = (0..slots as u32).filter(starts).collect();
         wave.iter().for_each(|&s| reached[s as usize] = true);
@@ -139,7 +145,7 @@ impl Patches<'_> {
             let unasked: Vec<u32> = dark.iter().copied().filter(|&s| seen_by[s as usize].is_none()).collect();
             options.progress.at("patch", 0.6)?;
             let looks = self.look(tracer, &unasked, rays, options.seed);
-            let lamp_looks = self.look_at_lamps(tracer, &lamps, &unasked, options.seed);
+            let lamp_looks = self.look_at_lamps(tracer, &lamps, &unasked, (0..LAMP_LOOKS, options.seed));
             for ((slot, mut landings), on_lamps) in unasked.iter().zip(looks).zip(lamp_looks) {
                 landings.extend(on_lamps);
                 seen_by[*slot as usize] = Some(landings);
@@ -148,13 +154,43 @@ impl Patches<'_> {
                 let mut landings = seen_by[slot as usize].iter().flatten();
                 landings.any(|&landing| reached[landing as usize] && self.is_bright(landing))
             };
-            wave = dark.into_iter().filter(|&slot| sees_light(slot)).collect();
+            wave = dark.iter().copied().filter(|&slot| sees_light(slot)).collect();
+            if wave.is_empty() {
+                let unlooked = dark.into_iter().filter(|&slot| !looked_close[slot as usize]).collect();
+                let close = self.on_reached_sides(unlooked, &reached);
+                close.iter().for_each(|&slot| looked_close[slot as usize] = true);
+                let range = (LAMP_LOOKS..CLOSE_LOOKS, options.seed);
+                let on_lamps = self.look_at_lamps(tracer, &lamps, &close, range.clone());
+                let is_shone_on = |&(slot, on_lamp): &(u32, Option<u32>)| {
+                    let sees = |lights: &Lights| self.is_shone_on(tracer, lights, slot, range.clone());
+                    on_lamp.is_some() || lights.as_ref().is_some_and(sees)
+                };
+                let found = close.into_par_iter().zip(on_lamps).filter(is_shone_on);
+                wave = found.map(|(slot, _)| slot).collect();
+            }
             if wave.is_empty() {
                 break;
             }
             wave.iter().for_each(|&s| reached[s as usize] = true);
         }
         Ok((0..slots as u32).filter(|&s| reached[s as usize]).collect())
+    }
+
+    /// Of these slots those on sides where others are reached.
+    fn on_reached_sides(&self, mut slots: Vec<u32>, reached: &[bool]) -> Vec<u32> {
+        let mut known: Option<((usize, Side), bool)> = None;
+        slots.retain(|&slot| {
+            let Slot { face, side, .. } = self.slot(slot);
+            match known {
+                Some((of, is_reached)) if of == (face, side) => is_reached,
+                _ => {
+                    let is_reached = self.slots_of(face, side).any(|slot| reached[slot as usize]);
+                    known = Some(((face, side), is_reached));
+                    is_reached
+                }
+            }
+        });
+        slots
     }
 
     /// Lets light through sheets: adds the other sides that it reaches now.
@@ -188,13 +224,20 @@ impl Patches<'_> {
         slots.par_iter().map(look_from).collect()
     }
 
-    /// A slot on a lamp that each of `slots` sees, if it sees any.
-    fn look_at_lamps(&self, tracer: &Tracer, lamps: &Lamps, slots: &[u32], seed: u64) -> Vec<Option<u32>> {
+    /// A slot on a lamp that each of `slots` sees, if it sees any by these looks.
+    fn look_at_lamps(
+        &self,
+        tracer: &Tracer,
+        lamps: &Lamps,
+        slots: &[u32],
+        (looks, seed): (Range<u32>, u64),
+    ) -> Vec<Option<u32>> {
         let look_from = |&slot: &u32| {
             let facet = self.facet(tracer, slot);
-            let view = lamps.view_from(facet.centre(), (&facet.corners, facet.normal));
+            // From all of the slot: a lamp may lie below the horizon of its centre alone.
+            let view = lamps.view_over(&facet.corners, facet.normal);
             let sequence = Stream::LampLooks.sequence(seed, slot, 0);
-            (0..LAMP_LOOKS).find_map(|k| {
+            looks.clone().find_map(|k| {
                 let [s, t, u, v] = sequence.point(k);
                 let to = lamps.sample(&view, [u, v])?;
                 let from = facet.target(to.point, [s, t]).point;
@@ -206,27 +249,36 @@ impl Patches<'_> {
         slots.par_iter().map(look_from).collect()
     }
 
-    /// For each slot whether it sees a light without area or the sky; empty where there are none.
-    fn shone_on(&self, tracer: &Tracer, seed: u64) -> Vec<bool> {
-        let Some(lights) = Lights::new(tracer) else { return Vec::new() };
-        let channels = self.scene.channels();
+    /// For each slot whether it sees a light without area or the sky.
+    fn shone_on(&self, tracer: &Tracer, lights: &Lights, seed: u64) -> Vec<bool> {
         let is_lit = |slot: u32| {
-            let facet = self.facet(tracer, slot);
-            if tracer.is_carrier(facet.face) || self.is_covered(slot) {
-                return false;
-            }
-            let sequence = Stream::LightLooks.sequence(seed, slot, 0);
-            (0..LAMP_LOOKS).any(|k| {
-                let [s, t, u, v] = sequence.point(k);
-                let (mut arrived, mut scratch) = (vec![0.0; channels], vec![0.0; channels]);
-                let from = (facet.point([s, t]), facet.face);
-                lights.add_irradiance(tracer, from, facet.normal, || [u, v], [&mut arrived, &mut scratch]);
-                arrived.iter().any(|&x| x > 0.0)
-            })
+            !tracer.is_carrier(self.slot(slot).face as u32)
+                && !self.is_covered(slot)
+                && self.is_shone_on(tracer, lights, slot, (0..LAMP_LOOKS, seed))
         };
         let mut lit: Vec<bool> = (0..self.slots() as u32).into_par_iter().map(is_lit).collect();
-        self.shine_by_carriers(tracer, &lights, seed, &mut lit);
+        self.shine_by_carriers(tracer, lights, seed, &mut lit);
         lit
+    }
+
+    /// Whether light from a light without area or the sky arrives straight on a slot by one of these looks.
+    fn is_shone_on(
+        &self,
+        tracer: &Tracer,
+        lights: &Lights,
+        slot: u32,
+        (mut looks, seed): (Range<u32>, u64),
+    ) -> bool {
+        let facet = self.facet(tracer, slot);
+        let sequence = Stream::LightLooks.sequence(seed, slot, 0);
+        let [mut arrived, mut scratch] = [0, 1].map(|_| vec![0.0; self.scene.channels()]);
+        looks.any(|k| {
+            let [s, t, u, v] = sequence.point(k);
+            let from = (facet.point([s, t]), facet.face);
+            arrived.fill(0.0);
+            lights.add_irradiance(tracer, from, facet.normal, || [u, v], [&mut arrived, &mut scratch]);
+            arrived.iter().any(|&x| x > 0.0)
+        })
     }
 
     /// Whether a slot may become a patch: what is covered may not, nor backs where they are left out.

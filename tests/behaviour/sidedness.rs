@@ -355,3 +355,35 @@ fn a_light_on_a_ceiling_is_told_of_with_its_settings() {
     }
     assert!(scene.lights().all(|light| light.position().is_some_and(|p| p.y < 2.0)));
 }
+
+#[test]
+fn whatever_is_in_part_in_front_of_a_lamp_is_lit_by_it_beside_other_lamps() {
+    // A dim lamp that shines on the floor near by, and a tiny bright one whose plane cuts through patches of all walls.
+    let dim = [[0.4, 0.5, 0.4], [0.6, 0.5, 0.4], [0.6, 0.5, 0.6], [0.4, 0.5, 0.6]].map(DVec3::from_array);
+    let at = DVec3::new(1.4, 1.3, 1.6);
+    for turn in (0..4).map(rotation) {
+        let corner = |[x, z]: [f64; 2]| at + turn * DVec3::new(1e-3 * x, 0.0, 1e-3 * z);
+        let bright = [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]].map(corner);
+        let normal = turn * DVec3::Y;
+        let mut quads = walls();
+        quads.extend([(dim.map(|p| p.to_array()), 1), (bright.map(|p| p.to_array()), 2)]);
+        let materials = ["wall", "dim", "bright"].into_iter().zip([0.0, 3.0, 1e5]);
+        let materials = materials.map(|(name, radiance)| Material::lamp(name, &[0.0], &[radiance])).collect();
+        let scene = crate::scenes::quads(&quads, materials);
+        let tracer = Tracer::new(&scene);
+        let (mut in_front, mut missing) = (0, 0);
+        for seed in 0..4 {
+            let size = PatchSize::Edge(0.9);
+            let patches = Patches::new(&tracer, &Tessellation { size, seed, ..Default::default() }).unwrap();
+            let points =
+                (0..30).flat_map(|i| (0..30 - i).map(move |j| [i, j].map(|k| (f64::from(k) + 0.3) / 30.0)));
+            for (face, point) in (0..12).flat_map(|face| points.clone().map(move |point| (face, point))) {
+                if normal.dot(patches.point(face, point) - at) > 0.25 {
+                    in_front += 1;
+                    missing += usize::from(patches.patch_at(face, Side::Front, point).is_none());
+                }
+            }
+        }
+        assert!(in_front > 1000 && missing == 0, "{missing} of {in_front}");
+    }
+}
