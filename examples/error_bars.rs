@@ -1,5 +1,5 @@
-//! Are error bars true? Answers at many settings, what they say of their own error, and what it is against an independent renderer
-//! (Mitsuba 3.9.1).
+//! Are error bars true? Answers at many settings, what they say of their own error, and what it is against an
+//! independent renderer (Mitsuba 3.9.1).
 //!
 //! ```text
 //! cargo run --release --example error_bars               # a few settings

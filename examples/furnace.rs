@@ -1,5 +1,6 @@
-//! The furnace test: in a closed room where every surface emits Lₑ and reflects ρ, radiance is Lₑ/(1 − ρ) everywhere, and
-//! Lₑ(1 − ρᵏ⁺¹)/(1 − ρ) after k bounces. Whatever the random rays, this program must print errors that are all rounding.
+//! The furnace test: in a closed room where every surface emits Lₑ and reflects ρ, radiance is Lₑ/(1 − ρ)
+//! everywhere, and Lₑ(1 − ρᵏ⁺¹)/(1 − ρ) after k bounces. Whatever the random rays, this program must print
+//! errors that are all rounding.
 //!
 //! `cargo run --release --example furnace`
 

@@ -1,5 +1,6 @@
-//! What a grey scene saves: the solve stage of two rooms joined by a door in one channel, in three that agree, in three of which
-//! two agree, and in three different ones. Fails if the grey one takes more than 0.45 of the last by the direct solver.
+//! What a grey scene saves: the solve stage of two rooms joined by a door in one channel, in three that
+//! agree, in three of which two agree, and in three different ones. Fails if the grey one takes more than
+//! 0.45 of the last by the direct solver.
 
 use std::time::Instant;
 

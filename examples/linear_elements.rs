@@ -1,5 +1,5 @@
-//! Constant and linear elements on the same patches and rays, against an independent renderer (Mitsuba 3.9.1): a folded white
-//! corridor, where light turns corners, and two rooms joined by a door.
+//! Constant and linear elements on the same patches and rays, against an independent renderer (Mitsuba
+//! 3.9.1): a folded white corridor, where light turns corners, and two rooms joined by a door.
 //!
 //! `cargo run --release --example linear_elements`
 

@@ -5,10 +5,10 @@
 //! cargo run --release --example make_corridor -- FOLDER    # somewhere else
 //! ```
 //!
-//! Three legs, each 3 m long, 1 m wide and 1 m high, lie side by side; an open sheet stands between one leg and the next and
-//! leaves the last metre free, left and right in turn. All is white (ρ = 0.9). The lamp is the end of the first leg; light that
-//! gets to the end of the third has turned twice. Every face is a metre long and wide, so that values by face tell
-//! places apart. Lengths are metres and y points up.
+//! Three legs, each 3 m long, 1 m wide and 1 m high, lie side by side; an open sheet stands between one leg
+//! and the next and leaves the last metre free, left and right in turn. All is white (ρ = 0.9). The lamp is
+//! the end of the first leg; light that gets to the end of the third has turned twice. Every face is a metre
+//! long and wide, so that values by face tell places apart. Lengths are metres and y points up.
 
 use std::path::PathBuf;
 use std::{env, fs, io};

@@ -1,5 +1,5 @@
-//! Irradiance of every face against an independent renderer: four scenes at default settings, as per-face irradiance with
-//! standard errors that a path tracer (Mitsuba 3.9.1) found.
+//! Irradiance of every face against an independent renderer: four scenes at default settings, as per-face
+//! irradiance with standard errors that a path tracer (Mitsuba 3.9.1) found.
 //!
 //! `cargo run --release --example reference`
 

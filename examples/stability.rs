@@ -1,11 +1,12 @@
-//! How stable the solvers are: error, iterations and condition as reflectance nears 1, as faces become slivers, and as their areas grow
-//! apart, against closed forms.
+//! How stable the solvers are: error, iterations and condition as reflectance nears 1, as faces become
+//! slivers, and as their areas grow apart, against closed forms.
 //!
-//! Every case is a closed room in which all surfaces reflect ρ. Where all emit Lₑ too, radiance is Lₑ/(1 − ρ) everywhere; where one wall
-//! emits, its mean is mean(Lₑ)/(1 − ρ). *Error* is the largest relative difference from either. *Iterations* are those for light from
-//! one wall, which is not the same everywhere.
+//! Every case is a closed room in which all surfaces reflect ρ. Where all emit Lₑ too, radiance is Lₑ/(1 − ρ)
+//! everywhere; where one wall emits, its mean is mean(Lₑ)/(1 − ρ). *Error* is the largest relative difference
+//! from either. *Iterations* are those for light from one wall, which is not the same everywhere.
 //!
-//! `cargo run --release --example stability [FOLDER]` writes stability.svg and stability.md to the folder, docs if none is given.
+//! `cargo run --release --example stability [FOLDER]` writes stability.svg and stability.md to the folder,
+//! docs if none is given.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -166,7 +167,8 @@ fn name(way: Way) -> String {
     if way.basis == Basis::Linear { format!("{solver}, linear") } else { solver.to_owned() }
 }
 
-/// A plot of one quantity against what was varied, a curve per way; all but the series with linear elements, which is like the other.
+/// A plot of one quantity against what was varied, a curve per way; all but the series with linear elements,
+/// which is like the other.
 fn plot(
     title: &str,
     axes: [&str; 2],
@@ -215,8 +217,8 @@ fn cuts(aspect: f64) -> Vec<f64> {
     cuts
 }
 
-/// The unit cube seen from inside, of one material that emits and reflects; floor and ceiling in strips between the cuts, and perhaps with a
-/// square speck in it, so many times smaller than a wall.
+/// The unit cube seen from inside, of one material that emits and reflects; floor and ceiling in strips
+/// between the cuts, and perhaps with a square speck in it, so many times smaller than a wall.
 fn room(cuts: &[f64], speck: Option<f64>) -> Result<Scene, SceneError> {
     type Quad = [[f64; 3]; 4];
     let walls: [Quad; 4] = [

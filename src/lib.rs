@@ -1,7 +1,7 @@
 //! Diffuse global illumination as a matrix problem.
 //!
-//! Surfaces are cut into patches. Ray-traced form factors F build the transport operator K = diag(ρ) F, and the light that leaves
-//! every patch solves the radiosity equation
+//! Surfaces are cut into patches. Ray-traced form factors F build the transport operator K = diag(ρ) F, and
+//! the light that leaves every patch solves the radiosity equation
 //!
 //! **L = E + K L**, that is **L = (I − K)⁻¹E = E + KE + K²E + …**
 //!
@@ -64,34 +64,40 @@
 //! | Φ = Σ A B | radiant flux (power) | W | c |
 //!
 //! with n patches and c channels: three of colour, or one where all channels agree. With linear elements
-//! ([`Basis::Linear`](patches::Basis)) every patch has three coefficients in the place of one, the field's values at its corners:
-//! vectors are 3n × c, S_(ia)(jb) = ∫∫ φ_a φ_b dF dA, and M⁻¹S stands for F, with the mass M_(ia)(ib) = ∫ φ_a φ_b dA; pictures and
-//! meshes take either. *Order k* of the series is L_k = Lₑ + ρH_k/π with H_k = H₀ + πF L_{k−1} and L_{−1} = 0; *bounce k* is KᵏE, what order k adds.
-//! A *guaranteed* bound holds for the operator at hand in exact arithmetic; it does not speak of how well that operator stands
-//! for the scene.
+//! ([`Basis::Linear`](patches::Basis)) every patch has three coefficients in the place of one, the field's
+//! values at its corners: vectors are 3n × c, S_(ia)(jb) = ∫∫ φ_a φ_b dF dA, and M⁻¹S stands for F, with the
+//! mass M_(ia)(ib) = ∫ φ_a φ_b dA; pictures and meshes take either. *Order k* of the series is L_k = Lₑ +
+//! ρH_k/π with H_k = H₀ + πF L_{k−1} and L_{−1} = 0; *bounce k* is KᵏE, what order k adds. A *guaranteed*
+//! bound holds for the operator at hand in exact arithmetic; it does not speak of how well that operator
+//! stands for the scene.
 //!
-//! Mirrors, metals and glass are no patches: F_ij is what of i's light reaches j straight or by way of them, and F_i∞ has what they absorb
-//! beside it. Where they are coloured F differs by channel, see [`FormFactors::exchange_of`](transport::FormFactors::exchange_of).
+//! Mirrors, metals and glass are no patches: F_ij is what of i's light reaches j straight or by way of them,
+//! and F_i∞ has what they absorb beside it. Where they are coloured F differs by channel, see
+//! [`FormFactors::exchange_of`](transport::FormFactors::exchange_of).
 //!
-//! A [sheet](scene::Sheet) lets the part τ of what arrives on either side through to the other: there K = R F with a symmetric 2 × 2 block
-//! (ρ_front τ; τ ρ_back) of R in the place of ρ, and row by row L = Lₑ + (ρH + τH′)/π with H′ the irradiance of the other side; see
-//! [`Reflection`](transport::Reflection).
+//! A [sheet](scene::Sheet) lets the part τ of what arrives on either side through to the other: there K = R F
+//! with a symmetric 2 × 2 block (ρ_front τ; τ ρ_back) of R in the place of ρ, and row by row L = Lₑ + (ρH +
+//! τH′)/π with H′ the irradiance of the other side; see [`Reflection`](transport::Reflection).
 //!
-//! [Plastic](scene::Surface::Plastic) is a patch, L what its base sends out under the coat: towards an angle of cosine μ there leaves L (1 − E(μ)), and H is
-//! the light that gets under the coat over the part of even light that would. Everything above holds with its
-//! [étendue](patches::Patches::etendues) A (1 − Ē) in the place of A. In a medium of index of refraction n, such as glass, that is A n², and L, Lₑ and H are given by
-//! n²: what refraction leaves as it is.
+//! [Plastic](scene::Surface::Plastic) is a patch, L what its base sends out under the coat: towards an angle
+//! of cosine μ there leaves L (1 − E(μ)), and H is the light that gets under the coat over the part of even
+//! light that would. Everything above holds with its [étendue](patches::Patches::etendues) A (1 − Ē) in the
+//! place of A. In a medium of index of refraction n, such as glass, that is A n², and L, Lₑ and H are given
+//! by n²: what refraction leaves as it is.
 //!
-//! Where a [texture](scene::Texture) varies ρ or Lₑ over a surface, patches have its mean; pictures show the texture itself.
+//! Where a [texture](scene::Texture) varies ρ or Lₑ over a surface, patches have its mean; pictures show the
+//! texture itself.
 //!
-//! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take [`Sources`](transport::Sources) for what starts in them:
-//! `let sources = Sources::trace(&tracer, &patches, factors.basis(), &LightOptions::default())?`, then
-//! `sources.right_hand_side(&k)` for E, and [`Solution::under`](solve::Solution::under) to add H₀ to the irradiance.
+//! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take
+//! [`Sources`](transport::Sources) for what starts in them: `let sources = Sources::trace(&tracer, &patches,
+//! factors.basis(), &LightOptions::default())?`, then `sources.right_hand_side(&k)` for E, and
+//! [`Solution::under`](solve::Solution::under) to add H₀ to the irradiance.
 //! [`ReceiverRows`](transport::ReceiverRows) give the irradiance at points that are no patches.
 //!
-//! [`Plan`](transport::Plan) tells which effects a scene calls for; with a [`Forecast`](transport::Forecast) also what each will cost before a ray
-//! is traced. [`Switches`](transport::Switches) leave effects out. A scene that is empty and convex seen from inside
-//! ([`Tracer::enclosure`](trace::Tracer::enclosure)) takes no rays: its form factors are exact.
+//! [`Plan`](transport::Plan) tells which effects a scene calls for; with a [`Forecast`](transport::Forecast)
+//! also what each will cost before a ray is traced. [`Switches`](transport::Switches) leave effects out. A
+//! scene that is empty and convex seen from inside ([`Tracer::enclosure`](trace::Tracer::enclosure)) takes no
+//! rays: its form factors are exact.
 //!
 //! # The way through the house
 //!

@@ -265,7 +265,8 @@ absorb nothing: what the diffuse faces absorb, those under coats with them, is a
     }
 }
 
-/// A ball seen from outside: an icosahedron with every triangle cut in four, `cuts` times, blown up to the sphere.
+/// A ball seen from outside: an icosahedron with every triangle cut in four, `cuts` times, blown up to the
+/// sphere.
 fn ball(m: &mut Mesh, centre: Point, radius: f64, cuts: u32) {
     let mut unit = Mesh::default();
     unit.icosphere(cuts);

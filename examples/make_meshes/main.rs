@@ -599,7 +599,8 @@ impl Mesh {
         self.polygons.push(Polygon { object, material, corners, coordinates });
     }
 
-    /// A quad on which a picture lies, so many times from its first corner to the second and from there to the third.
+    /// A quad on which a picture lies, so many times from its first corner to the second and from there to
+    /// the third.
     fn mapped(&mut self, quad: &Quad, [across, up]: [f64; 2]) {
         self.face(quad);
         let coordinates = [[0.0, 0.0], [across, 0.0], [across, up], [0.0, up]];

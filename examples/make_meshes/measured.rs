@@ -227,7 +227,8 @@ fn luminaire() -> String {
     text
 }
 
-/// Radiance of a sky at longitude x and latitude y from the top, each 0 to 1: a low sun among clouds over a plain.
+/// Radiance of a sky at longitude x and latitude y from the top, each 0 to 1: a low sun among clouds over a
+/// plain.
 fn sky(x: f64, y: f64) -> [f64; 3] {
     let elevation = (0.5 - y) * PI;
     if elevation < 0.0 {

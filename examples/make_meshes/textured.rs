@@ -101,7 +101,8 @@ pub fn write_pictures(folder: &Path) -> io::Result<()> {
     paint(256, 256, &parquet).write_with_encoder(encoder).map_err(io::Error::other)
 }
 
-/// A picture by its colour at (x, y), each 0 to 1 from the upper left, as sRGB bytes of 32 shades, which pack well.
+/// A picture by its colour at (x, y), each 0 to 1 from the upper left, as sRGB bytes of 32 shades, which pack
+/// well.
 fn paint(width: u32, height: u32, colour: &dyn Fn(f64, f64) -> [f64; 3]) -> RgbImage {
     RgbImage::from_fn(width, height, |i, j| {
         let place = |k: u32, count: u32| (f64::from(k) + 0.5) / f64::from(count);

@@ -65,8 +65,8 @@ pub struct Outcome {
     pub is_refused: bool,
 }
 
-/// Tests all laws on the scenes of these seeds, as many at a time as there are processors, each of which keeps to one; `see` is
-/// shown every outcome as it comes.
+/// Tests all laws on the scenes of these seeds, as many at a time as there are processors, each of which
+/// keeps to one; `see` is shown every outcome as it comes.
 ///
 /// # Errors
 /// If the folder can't be written.

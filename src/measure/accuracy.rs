@@ -1,7 +1,8 @@
 //! Accuracy: the cheapest cut and number of rays that are good enough, found by trying.
 //!
-//! A first answer is coarse and quick. Its budget tells how much of its error is mesh and how much is noise; with what both are known to fall by as patches and rays
-//! grow, the setting that meets the goal in the least time follows and is tried next. Each step tells better how this scene's errors fall. Where an answer
+//! A first answer is coarse and quick. Its budget tells how much of its error is mesh and how much is noise;
+//! with what both are known to fall by as patches and rays grow, the setting that meets the goal in the least
+//! time follows and is tried next. Each step tells better how this scene's errors fall. Where an answer
 //! misses its goal by noise alone, its rays are kept and others are added to them.
 
 use std::time::Instant;
@@ -114,7 +115,8 @@ const FIRST: Setting = Setting { patches: 256.0, rays: 64.0 };
 /// The fewest and most rays a patch.
 const RAYS: [f64; 2] = [32.0, 4096.0];
 
-/// A step is no more than so many times as dear as the one before: how errors fall is known only roughly until it has been seen.
+/// A step is no more than so many times as dear as the one before: how errors fall is known only roughly
+/// until it has been seen.
 const LEAP: f64 = 25.0;
 
 /// Steps aim a little below the goal, for what is foretold comes true only roughly; ...
@@ -127,8 +129,8 @@ const GROWTH: f64 = 1.4;
 const GROWTH_IN_RAYS: f64 = 1.2;
 const FEWEST_MORE: f64 = 16.0;
 
-/// Where faces are cut into fewer patches than this on average, what light does within most of them is not seen; an answer has to be found
-/// again on a cut so many times as fine before it is believed.
+/// Where faces are cut into fewer patches than this on average, what light does within most of them is not
+/// seen; an answer has to be found again on a cut so many times as fine before it is believed.
 const CUT_ENOUGH: f64 = 3.0;
 const FINER: f64 = 1.5;
 
@@ -147,7 +149,8 @@ const NOISE_POWER: f64 = 0.55;
 /// How many patches can be merged into one on most cuts.
 const USUALLY_MERGED: f64 = 3.0;
 
-/// Mesh error falls as the edge to a power in this range; where two cuts tell of less than the least, the coarser one was blind.
+/// Mesh error falls as the edge to a power in this range; where two cuts tell of less than the least, the
+/// coarser one was blind.
 const MESH_POWERS: [f64; 2] = [1.0, 2.0];
 const LEAST_POWER: f64 = 0.5;
 
@@ -419,8 +422,8 @@ impl<'s> Search<'_, 's> {
         }
     }
 
-    /// The cheapest choice that is good enough; the one to make, which is the best that can be had where that is too dear; and what
-    /// there is too little of, then.
+    /// The cheapest choice that is good enough; the one to make, which is the best that can be had where that
+    /// is too dear; and what there is too little of, then.
     fn choose(
         &self,
         forecast: &Forecast,
@@ -455,7 +458,8 @@ impl<'s> Search<'_, 's> {
         }
     }
 
-    /// All that can be chosen: every number of patches that is believed, but no fewer than were tried last, with every number of rays.
+    /// All that can be chosen: every number of patches that is believed, but no fewer than were tried last,
+    /// with every number of rays.
     fn choices(&self) -> impl Iterator<Item = Choice> {
         let rays = (0..).map(|k| RAYS[0] * (0.25 * f64::from(k)).exp2()).take_while(|&rays| rays <= RAYS[1]);
         let rays: Vec<f64> = rays.map(|rays| (rays / 8.0).round() * 8.0).collect();

@@ -10,13 +10,15 @@ use crate::transport::{LampFlux, Sources, Transport};
 /// Radiant flux Φ by where it comes from and goes to, per channel, W; every term computed on its own.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Energy {
-    /// π Σ A Lₑ, and what lights without area send to surfaces: Σ A H₀, and what carriers keep of it on its way.
+    /// π Σ A Lₑ, and what lights without area send to surfaces: Σ A H₀, and what carriers keep of it on its
+    /// way.
     pub emitted: Vec<f64>,
     /// Σ (1 − ρ − τ) A H with H recomputed from L.
     pub absorbed: Vec<f64>,
     /// π Σ A L F_i∞, what leaves the scene.
     pub escaped: Vec<f64>,
-    /// What mirrors and glass absorb: π Σ A L times the share that ends there, and of what lights without area send to surfaces by way of them.
+    /// What mirrors and glass absorb: π Σ A L times the share that ends there, and of what lights without
+    /// area send to surfaces by way of them.
     pub carriers: Vec<f64>,
     /// What paths lose that are cut short.
     pub lost: Vec<f64>,
@@ -32,7 +34,8 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// Accounts for emitted radiance `e` and radiance `l` (N × c) under operator `k`; `unit` is the operator's unit of area in m².
+    /// Accounts for emitted radiance `e` and radiance `l` (N × c) under operator `k`; `unit` is the
+    /// operator's unit of area in m².
     ///
     /// # Panics
     /// If `e` or `l` is not N × c.

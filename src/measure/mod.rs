@@ -1,7 +1,8 @@
 //! Measure: how good an answer is, and what it is made from.
 //!
-//! [`PathTracer`] is the independent witness; [`Comparison`] holds an answer against it, [`Study`] many answers, with what each took. [`Energy`] and the health reports need no
-//! witness: they look at the answer itself.
+//! [`PathTracer`] is the independent witness; [`Comparison`] holds an answer against it, [`Study`] many
+//! answers, with what each took. [`Energy`] and the health reports need no witness: they look at the answer
+//! itself.
 
 mod accuracy;
 mod comparison;

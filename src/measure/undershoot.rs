@@ -1,7 +1,7 @@
 //! Undershoot: how far a field of linear elements falls below zero, where light itself never does.
 //!
-//! Beside a shadow's edge the straight line that fits a patch best may pass below zero at a corner. The patch's mean, and the energy
-//! balance, are not touched by that.
+//! Beside a shadow's edge the straight line that fits a patch best may pass below zero at a corner. The
+//! patch's mean, and the energy balance, are not touched by that.
 
 use nalgebra::DMatrix;
 use serde::Serialize;

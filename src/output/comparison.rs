@@ -10,8 +10,8 @@ use super::{Stage, to_rgb};
 use crate::measure::{AgreementTest, Comparison, MeshError, OrderRow, PathTraced, Verdict};
 use crate::patches::Patches;
 
-/// The content of `comparison.json`. All errors are of irradiance per patch: area-weighted relative root mean squares, the
-/// reference's noise taken off.
+/// The content of `comparison.json`. All errors are of irradiance per patch: area-weighted relative root mean
+/// squares, the reference's noise taken off.
 #[derive(Clone, Debug, Serialize)]
 pub struct ComparisonSummary {
     /// The scene's name.
@@ -59,7 +59,8 @@ pub struct OrderSummary {
     pub worst: f64,
     /// The same in standard errors.
     pub worst_z: f64,
-    /// Bound on `vs_direct`, *guaranteed* for constant elements and *estimated* for linear ones; `null` where none is known yet.
+    /// Bound on `vs_direct`, *guaranteed* for constant elements and *estimated* for linear ones; `null` where
+    /// none is known yet.
     pub bound: Option<f64>,
     /// Time that the answer of this order takes, form factors included.
     pub seconds: f64,
@@ -176,8 +177,9 @@ const COLUMNS: [&str; 17] = [
     "paths",
 ];
 
-/// Writes `comparison.csv`: per patch the irradiance of the direct solution (n × c, W·m⁻²) and of the reference with its standard error, what
-/// patches of half the length change, and how many paths started there.
+/// Writes `comparison.csv`: per patch the irradiance of the direct solution (n × c, W·m⁻²) and of the
+/// reference with its standard error, what patches of half the length change, and how many paths started
+/// there.
 ///
 /// # Errors
 /// Those of `writer`.

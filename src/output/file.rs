@@ -12,7 +12,8 @@ use super::OutputError;
 /// Files of one folder that are about to be replaced.
 ///
 /// They are written under temporary names in the same folder and take their own names together, with
-/// [`Outputs::commit`]. Without it nothing changes and nothing stays behind. No folder is made, no other file touched.
+/// [`Outputs::commit`]. Without it nothing changes and nothing stays behind. No folder is made, no other file
+/// touched.
 #[derive(Debug)]
 pub struct Outputs {
     folder: PathBuf,

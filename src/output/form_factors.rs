@@ -208,8 +208,8 @@ impl<'a> FactorTable<'a> {
 ///   ray met with a form factor of 0 and its bound, which is 0 only where the two provably cannot face each
 ///   other. By face all pairs have rows that may face each other where there are no more than 64 groups,
 ///   else, and by patch, those that were found to exchange anything.
-/// - `.mtx`: Matrix Market, `coordinate real general`, g × g, all digits; comments name the groups. Without standard errors
-///   and escape.
+/// - `.mtx`: Matrix Market, `coordinate real general`, g × g, all digits; comments name the groups. Without
+///   standard errors and escape.
 /// - `.npz`: arrays `names` (g), `area` (g, m²), `form_factor`, `standard_error` and `upper95` (g × g),
 ///   `escape` and `escape_standard_error` (g); NaN for groups that do not send. By patch without errors and
 ///   bounds, but with `centre` (g × 3, m), `reflectance` and `emission` (g × c), all that L = E + K L takes.

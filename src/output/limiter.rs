@@ -1,8 +1,9 @@
 //! Limiter: a field of linear elements made fit to be seen, x_a ← m + θ (x_a − m) with m the patch's mean.
 //!
-//! Beside a shadow's edge the straight line that fits a patch best may pass below zero at a corner, or come near it: black spots
-//! where light only fades. Such a patch keeps its mean and is tilted less, by the largest θ ≤ 1 at which no corner is darker
-//! than [`DARKEST`]; the scaling limiter of Zhang & Shu (2010) with another floor. All others stay as they were solved.
+//! Beside a shadow's edge the straight line that fits a patch best may pass below zero at a corner, or come
+//! near it: black spots where light only fades. Such a patch keeps its mean and is tilted less, by the
+//! largest θ ≤ 1 at which no corner is darker than [`DARKEST`]; the scaling limiter of Zhang & Shu (2010)
+//! with another floor. All others stay as they were solved.
 
 use std::borrow::Cow;
 
@@ -10,8 +11,8 @@ use nalgebra::DMatrix;
 
 use crate::patches::Basis;
 
-/// The darkest that a corner is shown, as a share of its patch's mean. At a twentieth spots still look black, at two fifths patches
-/// look flat.
+/// The darkest that a corner is shown, as a share of its patch's mean. At a twentieth spots still look black,
+/// at two fifths patches look flat.
 const DARKEST: f64 = 0.2;
 
 /// The field as it is shown, by coefficients (N × c). Constant elements are shown as they are.

@@ -1,7 +1,8 @@
 //! Mesh: the patches as coloured triangles, in the PLY format that mesh viewers read.
 //!
-//! Colours stand at the vertices and are those of [`SmoothField`], constant or linear over each patch; a vertex is shared by the patches of one smooth
-//! surface. The back of a face comes as triangles of reversed winding.
+//! Colours stand at the vertices and are those of [`SmoothField`], constant or linear over each patch; a
+//! vertex is shared by the patches of one smooth surface. The back of a face comes as triangles of reversed
+//! winding.
 
 use std::io::{self, Write};
 
@@ -18,7 +19,8 @@ use crate::trace::Tracer;
 /// Coordinates are written as f64 where the scene lies more than so many sizes from the origin, else as f32.
 const FAR: f64 = 1e4;
 
-/// Writes the patches with their `radiance` (N × c, N = n or 3n) as exposed sRGB vertex colours: binary PLY, metres.
+/// Writes the patches with their `radiance` (N × c, N = n or 3n) as exposed sRGB vertex colours: binary PLY,
+/// metres.
 ///
 /// # Errors
 /// Those of `writer`.

@@ -1,9 +1,10 @@
 //! Output: pictures and meshes of a solution.
 //!
-//! [`render`] looks at a radiance field through a camera and gives a [`Picture`] of linear radiance; an [`Exposure`]
-//! makes it fit for a screen. [`write_ply`] puts the same colours on the patches themselves, [`write_faces`] and
-//! [`write_patches`] make tables. [`write_comparison`], [`write_bounces`] and [`write_orders_plot`] make figures
-//! with words. [`Outputs`] replaces the files of a run together: all of them whole, or none.
+//! [`render`] looks at a radiance field through a camera and gives a [`Picture`] of linear radiance; an
+//! [`Exposure`] makes it fit for a screen. [`write_ply`] puts the same colours on the patches themselves,
+//! [`write_faces`] and [`write_patches`] make tables. [`write_comparison`], [`write_bounces`] and
+//! [`write_orders_plot`] make figures with words. [`Outputs`] replaces the files of a run together: all of
+//! them whole, or none.
 
 mod comparison;
 mod figure;

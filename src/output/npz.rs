@@ -1,6 +1,7 @@
 //! NPZ: named arrays in one file, as `numpy.load` reads them: a zip archive of `.npy` files.
 //!
-//! The layout is that of NumPy Enhancement Proposal 1, version 1.0: a line of text that says type and shape, then the numbers.
+//! The layout is that of NumPy Enhancement Proposal 1, version 1.0: a line of text that says type and shape,
+//! then the numbers.
 
 use std::io::{self, Write};
 
@@ -58,7 +59,8 @@ impl<W: Write> Npz<W> {
     }
 
     fn begin(&mut self, name: &str, kind: &str, shape: &[usize]) -> io::Result<()> {
-        // Most form factors between patches are zero: the quickest compression does nearly all there is to do.
+        // Most form factors between patches are zero: the quickest compression does nearly all there is to
+        // do.
         let options = SimpleFileOptions::default().compression_level(Some(1)).large_file(true);
         self.0.start_file(format!("{name}.npy"), options)?;
         self.0.write_all(&header(kind, shape))

@@ -1,4 +1,5 @@
-//! Photometry: what lighting designers report, in lumens, lux and candelas per square metre; and `receivers.csv`.
+//! Photometry: what lighting designers report, in lumens, lux and candelas per square metre; and
+//! `receivers.csv`.
 
 use std::io::{self, Write};
 
@@ -60,7 +61,8 @@ pub struct Photometry {
 }
 
 impl Photometry {
-    /// Every material and object that has patches, from their irradiance (W·m⁻²) and radiance (W·sr⁻¹·m⁻²), each n × c.
+    /// Every material and object that has patches, from their irradiance (W·m⁻²) and radiance (W·sr⁻¹·m⁻²),
+    /// each n × c.
     ///
     /// # Panics
     /// If either has not n rows.
@@ -120,7 +122,8 @@ impl Photometry {
     }
 }
 
-/// Illuminance (lx) of an irradiance (W·m⁻²), or luminance (cd·m⁻²) of a radiance (W·sr⁻¹·m⁻²), N × c, at an efficacy in lm·W⁻¹; N × 1.
+/// Illuminance (lx) of an irradiance (W·m⁻²), or luminance (cd·m⁻²) of a radiance (W·sr⁻¹·m⁻²), N × c, at an
+/// efficacy in lm·W⁻¹; N × 1.
 pub fn luminous(field: &DMatrix<f64>, efficacy: f64) -> DMatrix<f64> {
     let of = |i: usize, _| efficacy * luminance(field.row(i).transpose().as_slice());
     DMatrix::from_fn(field.nrows(), 1, of)
@@ -150,8 +153,8 @@ pub fn write_photometry(writer: &mut dyn Write, rows: &[Photometry]) -> io::Resu
     })
 }
 
-/// Writes `faces_photometric.csv`: a row per face and side that light reaches, with means over the face; from irradiance (W·m⁻²) and
-/// radiance (W·sr⁻¹·m⁻²), each n × c.
+/// Writes `faces_photometric.csv`: a row per face and side that light reaches, with means over the face; from
+/// irradiance (W·m⁻²) and radiance (W·sr⁻¹·m⁻²), each n × c.
 ///
 /// # Errors
 /// Those of `writer`.
@@ -176,8 +179,8 @@ pub fn write_luminous_faces(
     })
 }
 
-/// Writes `patches_photometric.csv`: a row per patch, with its centre in metres; from irradiance (W·m⁻²) and radiance (W·sr⁻¹·m⁻²), each
-/// n × c.
+/// Writes `patches_photometric.csv`: a row per patch, with its centre in metres; from irradiance (W·m⁻²) and
+/// radiance (W·sr⁻¹·m⁻²), each n × c.
 ///
 /// # Errors
 /// Those of `writer`.

@@ -43,7 +43,8 @@ impl Picture {
         Self { width, height, pixels, lamps }
     }
 
-    /// The exposure that suits what is seen beside lamps; where lamps are almost all there is, what suits them.
+    /// The exposure that suits what is seen beside lamps; where lamps are almost all there is, what suits
+    /// them.
     pub fn exposure(&self) -> Exposure {
         let seen = |pixel: &[f32; 3]| pixel.iter().any(|&x| x > 0.0);
         let lit = || {
@@ -60,8 +61,8 @@ impl Picture {
 
     /// The picture as sRGB bytes, 3 · width · height of them.
     ///
-    /// Lamps and the rest of a pixel are exposed apart and then mixed by area, so that the edge of a lamp far brighter
-    /// than white is as smooth as any other.
+    /// Lamps and the rest of a pixel are exposed apart and then mixed by area, so that the edge of a lamp far
+    /// brighter than white is as smooth as any other.
     pub fn to_srgb(&self, exposure: Exposure) -> Vec<u8> {
         let encode = |(pixel, lamp): (&[f32; 3], &LampPart)| -> [u8; 3] {
             if lamp.share == 0.0 {

@@ -1,10 +1,11 @@
 //! Smooth field: a field over patches, constant or linear over each, made continuous for the eye.
 //!
-//! A corner's value is the mean, weighted by angle, of the patches that meet there on the same smooth surface:
-//! same material, and normals no more than 30° from one to the next. Of constant elements each gives its one value, of linear ones
-//! its value at that place. Inside a patch the values of its three corners are
-//! interpolated linearly. A corner in the middle of a neighbouring patch's edge counts that patch as meeting there
-//! too, so that unlike cuts of two faces, or of two parts of one, leave no visible seam. Across creases, materials and the two sides of a sheet nothing is mixed.
+//! A corner's value is the mean, weighted by angle, of the patches that meet there on the same smooth
+//! surface: same material, and normals no more than 30° from one to the next. Of constant elements each gives
+//! its one value, of linear ones its value at that place. Inside a patch the values of its three corners are
+//! interpolated linearly. A corner in the middle of a neighbouring patch's edge counts that patch as meeting
+//! there too, so that unlike cuts of two faces, or of two parts of one, leave no visible seam. Across
+//! creases, materials and the two sides of a sheet nothing is mixed.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -128,7 +129,8 @@ impl SmoothField {
         self.channels
     }
 
-    /// Where values are known, normalised frame; a place in space has a point for each surface that meets there.
+    /// Where values are known, normalised frame; a place in space has a point for each surface that meets
+    /// there.
     pub fn points(&self) -> &[DVec3] {
         &self.points
     }
@@ -202,7 +204,8 @@ fn surface(tracer: &Tracer, face: usize, side: Side) -> u32 {
     2 * tracer.scene().faces()[face].material + u32::from(emits)
 }
 
-/// The ends of an edge, the same for every face that has it: the bits of their coordinates, in ascending order.
+/// The ends of an edge, the same for every face that has it: the bits of their coordinates, in ascending
+/// order.
 type Edge = [[u64; 3]; 2];
 
 /// A face's edge `k`, from corner k to the next.
@@ -417,7 +420,8 @@ mod tests {
 
     #[test]
     fn parts_of_a_face_cut_unlike_each_other_share_what_they_know_at_their_edge() {
-        // A sheet on a floor: the floor's parts meet along its foot, and on one side only there are patches with their corners there.
+        // A sheet on a floor: the floor's parts meet along its foot, and on one side only there are patches
+        // with their corners there.
         let floor = quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
         let sheet = quad([0.2, 0.3, 0.0], [0.5, 0.1, 0.0], [0.0, 0.0, 0.5]);
         let scene =
@@ -467,7 +471,8 @@ mod tests {
         // One point a place, and the places of both cuts.
         assert!(both.windows(2).all(|pair| pair[1].0 - pair[0].0 > 1e-6), "{both:?}");
         assert!(both.len() > alone[0].len().max(alone[1].len()), "{both:?}");
-        // Each side alone misses the value 1 towards itself; equal shares of both miss by at most half of the worse.
+        // Each side alone misses the value 1 towards itself; equal shares of both miss by at most half of the
+        // worse.
         let miss =
             |line: &[(f64, f64)]| line.iter().map(|(_, value)| (value - 1.0).abs()).fold(0.0, f64::max);
         let worse = miss(&alone[0]).max(miss(&alone[1]));

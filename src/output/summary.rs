@@ -51,7 +51,8 @@ pub struct Summary {
     pub energy: EnergySummary,
     /// How well form factors close.
     pub closure: Closure,
-    /// Photometry by material, object, light and receiver (m², lm, lx and cd/m²), where it was asked for or there are receivers.
+    /// Photometry by material, object, light and receiver (m², lm, lx and cd/m²), where it was asked for or
+    /// there are receivers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub photometry: Vec<Photometry>,
     /// How far radiance falls below zero within patches; not at all for constant elements.

@@ -9,7 +9,8 @@ use crate::measure::ErrorBars;
 use crate::patches::{FaceRow, Patches};
 use crate::solve::Solution;
 
-/// Columns of radiometric tables after their keys; the last three, one standard error of irradiance, where that is known.
+/// Columns of radiometric tables after their keys; the last three, one standard error of irradiance, where
+/// that is known.
 const QUANTITIES: [&str; 9] = [
     "irradiance_r",
     "irradiance_g",
@@ -25,7 +26,8 @@ const QUANTITIES: [&str; 9] = [
 /// How many of [`QUANTITIES`] there are without errors.
 const WITHOUT_ERRORS: usize = 6;
 
-/// Writes `faces.csv`: a row per face and side that light reaches, with averages over the face, and one standard error of irradiance.
+/// Writes `faces.csv`: a row per face and side that light reaches, with averages over the face, and one
+/// standard error of irradiance.
 ///
 /// `irradiance` (W·m⁻²) and `radiance` (W·sr⁻¹·m⁻²) are n × c.
 ///
@@ -45,7 +47,8 @@ pub fn write_faces(
     })
 }
 
-/// Writes `lamp_groups.csv`: the rows of `faces.csv` for each group of lamps by itself, with the group's name in front.
+/// Writes `lamp_groups.csv`: the rows of `faces.csv` for each group of lamps by itself, with the group's name
+/// in front.
 ///
 /// # Errors
 /// Those of `writer`.

@@ -1,7 +1,8 @@
 //! Tone: from radiance to what a screen shows, display = encode(compress(factor · L)).
 //!
-//! `compress` leaves colours below [`KNEE`] as they are and bends brighter ones towards white, keeping their hue, by
-//! the curve of the Khronos PBR neutral tone mapper (2024); `encode` is the sRGB transfer function (IEC 61966-2-1).
+//! `compress` leaves colours below [`KNEE`] as they are and bends brighter ones towards white, keeping their
+//! hue, by the curve of the Khronos PBR neutral tone mapper (2024); `encode` is the sRGB transfer function
+//! (IEC 61966-2-1).
 
 use crate::scene;
 
@@ -28,8 +29,9 @@ impl Default for Exposure {
 impl Exposure {
     /// The exposure that suits a picture whose pixels, lamps left out, have these radiances.
     ///
-    /// The brightest fiftieth lands just below white; where half of the picture would be very dark it is raised, and an
-    /// even picture becomes light grey. Black and non-finite pixels do not count; without any other the factor is 1.
+    /// The brightest fiftieth lands just below white; where half of the picture would be very dark it is
+    /// raised, and an even picture becomes light grey. Black and non-finite pixels do not count; without any
+    /// other the factor is 1.
     pub fn automatic(pixels: impl IntoIterator<Item = [f64; 3]>) -> Self {
         let mut luminances: Vec<f64> = pixels.into_iter().map(luminance).collect();
         luminances.retain(|&y| y.is_finite() && y > f64::MIN_POSITIVE);
@@ -42,7 +44,8 @@ impl Exposure {
         };
         let (middle, bright) = (at(0.5), at(0.98));
         let contrast = bright / middle;
-        // Show the bright part at 0.55 in an even picture, at 0.85 where the middle is half as bright or less.
+        // Show the bright part at 0.55 in an even picture, at 0.85 where the middle is half as bright or
+        // less.
         let shown = 0.55 + 0.3 * (contrast - 1.0).min(1.0);
         // Raise the middle of a dark picture to 0.12, the bright part to no more than 2.
         let shown = shown.max((0.12 * contrast).min(2.0));

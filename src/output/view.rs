@@ -1,8 +1,8 @@
 //! View: a camera for scenes that bring none.
 //!
-//! Many cameras, inside the scene and around it, cast a few rays each. The best is the one with the highest viewpoint
-//! entropy, −Σ p log p over the surfaces in the picture with p each one's share of them (Vázquez et al. 2001), less
-//! what spoils a picture: unlit sides, emptiness, and things right before the lens.
+//! Many cameras, inside the scene and around it, cast a few rays each. The best is the one with the highest
+//! viewpoint entropy, −Σ p log p over the surfaces in the picture with p each one's share of them (Vázquez et
+//! al. 2001), less what spoils a picture: unlit sides, emptiness, and things right before the lens.
 
 use std::collections::HashMap;
 
@@ -120,7 +120,8 @@ fn candidates(extent: &Extent, interest: DVec3, up: DVec3) -> Vec<Camera> {
             }
         }
     }
-    // Outside: around the scene, looking down on it more or less, with all of it or its detail in the picture.
+    // Outside: around the scene, looking down on it more or less, with all of it or its detail in the
+    // picture.
     for turn in 0..16 {
         let azimuth = std::f64::consts::TAU * turn as f64 / 16.0;
         for elevation in [2.0f64, 18.0, 38.0].map(f64::to_radians) {

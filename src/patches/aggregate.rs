@@ -24,8 +24,8 @@ pub struct FaceRow {
 }
 
 impl Patches<'_> {
-    /// Averages a field (n × c) over faces, weighted by area: a row per face and side that has patches, in order of face
-    /// and side.
+    /// Averages a field (n × c) over faces, weighted by area: a row per face and side that has patches, in
+    /// order of face and side.
     ///
     /// # Panics
     /// If `field` has not n rows.
@@ -45,8 +45,8 @@ impl Patches<'_> {
             .collect()
     }
 
-    /// Averages a field over the patches of another cut of the same scene (m × c) over these patches, n × c: each by 64 points. Where the other
-    /// cut has no patch the field is zero.
+    /// Averages a field over the patches of another cut of the same scene (m × c) over these patches, n × c:
+    /// each by 64 points. Where the other cut has no patch the field is zero.
     ///
     /// # Panics
     /// If `field` has not m rows.

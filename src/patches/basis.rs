@@ -1,7 +1,8 @@
 //! Basis: how a field varies over a patch, and so what the entries of a vector are.
 //!
-//! A field is Σ x_ia φ_a over the coefficients a of every patch i. Coefficients of a patch follow one another, patches come in
-//! their order, and basis functions are non-negative and sum to 1: a field whose coefficients are all 1 is 1 everywhere.
+//! A field is Σ x_ia φ_a over the coefficients a of every patch i. Coefficients of a patch follow one
+//! another, patches come in their order, and basis functions are non-negative and sum to 1: a field whose
+//! coefficients are all 1 is 1 everywhere.
 
 use nalgebra::DMatrix;
 
@@ -13,8 +14,8 @@ pub enum Basis {
     /// Not at all: one coefficient, the field's value.
     #[default]
     Constant,
-    /// Linearly, and free to jump from patch to patch: three coefficients, the field's values at the patch's corners in
-    /// the order of [`Patches::corners`](super::Patches::corners).
+    /// Linearly, and free to jump from patch to patch: three coefficients, the field's values at the patch's
+    /// corners in the order of [`Patches::corners`](super::Patches::corners).
     Linear,
 }
 

@@ -11,7 +11,8 @@ const SHOTS: u64 = 16;
 const FEWEST: u64 = 1 << 16;
 
 impl Patches<'_> {
-    /// Marks the slots that are lit by way of carriers. What little is missed here counts as dark, unless light from other surfaces reaches it.
+    /// Marks the slots that are lit by way of carriers. What little is missed here counts as dark, unless
+    /// light from other surfaces reaches it.
     pub(super) fn shine_by_carriers(&self, tracer: &Tracer, lights: &Lights, seed: u64, lit: &mut [bool]) {
         let Some(targets) = Targets::new(tracer, lights) else { return };
         let passes = |colour: Tint, _: f64| colour.parts().any(|part| part > 0.0);

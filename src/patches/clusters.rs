@@ -1,10 +1,11 @@
 //! Clusters: neighbouring patches taken together, the way a coarser cut would have them.
 //!
-//! Each face is cut anew with a longer edge, and the patches whose centres lie in the same cell of it form a cluster. Where a face is too small
-//! to be cut any more coarsely, its patches are taken together with those of other faces of the same object, material and side: these are halved
-//! again and again across the direction in which their centres or their normals spread most. Where the light on them is known, what it tells apart is
-//! not taken together: the two sides of a wall would leak into each other. On sheets that let light through, the backs of a cluster's patches are
-//! a cluster too.
+//! Each face is cut anew with a longer edge, and the patches whose centres lie in the same cell of it form a
+//! cluster. Where a face is too small to be cut any more coarsely, its patches are taken together with those
+//! of other faces of the same object, material and side: these are halved again and again across the
+//! direction in which their centres or their normals spread most. Where the light on them is known, what it
+//! tells apart is not taken together: the two sides of a wall would leak into each other. On sheets that let
+//! light through, the backs of a cluster's patches are a cluster too.
 
 use std::collections::HashMap;
 
@@ -15,10 +16,12 @@ use super::subdivide::{Cuts, Uncut};
 use super::{Patches, Slot};
 use crate::scene::Side;
 
-/// How far apart two opposite normals are taken to be, as a share of the scene's size: patches that face elsewhere part first.
+/// How far apart two opposite normals are taken to be, as a share of the scene's size: patches that face
+/// elsewhere part first.
 const TURN: f64 = 0.5;
 
-/// Faces on which the light is more than so many times as strong as on others are not taken together with them.
+/// Faces on which the light is more than so many times as strong as on others are not taken together with
+/// them.
 const UNLIKE: f64 = 4.0;
 
 /// A way to take patches together.
@@ -31,8 +34,9 @@ pub struct Clusters {
 }
 
 impl Patches<'_> {
-    /// Clusters of about `patches` patches each, on edges so many times longer as its root says. `light` is how strong it is on each patch, in any
-    /// unit. Without it objects and materials of too few patches are taken together too.
+    /// Clusters of about `patches` patches each, on edges so many times longer as its root says. `light` is
+    /// how strong it is on each patch, in any unit. Without it objects and materials of too few patches are
+    /// taken together too.
     ///
     /// # Panics
     /// If `light` has not one value per patch.
@@ -65,7 +69,8 @@ impl Patches<'_> {
         let mut clusters = Clusters { of_patch: vec![0; self.len()], count: 0 };
         let mut small = Vec::new();
         for (slot, members) in cells {
-            // Where a coarser cut is meant, what a face's border leaves over stays by itself, as it would there.
+            // Where a coarser cut is meant, what a face's border leaves over stays by itself, as it would
+            // there.
             let count = match light {
                 Some(_) => self.patches_of(slot.face, slot.side).len(),
                 None => members.len(),
@@ -123,7 +128,8 @@ impl Patches<'_> {
         let mut few = Vec::new();
         for alike in order.chunk_by_mut(|&a, &b| kind(a) == kind(b)) {
             let members: usize = alike.iter().map(|&cell| cells[cell].1.len()).sum();
-            // Where only a field is to be smoothed, what is too few by itself joins others nearby; fronts of sheets would take backs with them.
+            // Where only a field is to be smoothed, what is too few by itself joins others nearby; fronts of
+            // sheets would take backs with them.
             let is_sheet = self.scene.material_of(cells[alike[0]].0.face).transmittance().is_some();
             if light.is_none() && (members as f64) < 0.5 * patches && !is_sheet {
                 few.extend_from_slice(alike);

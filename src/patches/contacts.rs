@@ -1,9 +1,10 @@
 //! Contacts: the lines along which other surfaces touch a face, pass through it, or end so near before it
 //! that they shade it as if they touched it.
 //!
-//! Light changes by a step there, and a patch on both sides of such a line would mix what lies in the light with what lies in the dark, or
-//! with what no light reaches at all, under the foot of a box. A line is an edge of another face, seen along the normal, or where two
-//! faces intersect. Edges inside an outline count only if they touch: the diagonal of a picture before a wall casts no shadow.
+//! Light changes by a step there, and a patch on both sides of such a line would mix what lies in the light
+//! with what lies in the dark, or with what no light reaches at all, under the foot of a box. A line is an
+//! edge of another face, seen along the normal, or where two faces intersect. Edges inside an outline count
+//! only if they touch: the diagonal of a picture before a wall casts no shadow.
 
 use glam::{DVec2, DVec3, Vec3A};
 use obvhs::BvhBuildParams;
@@ -63,7 +64,8 @@ impl<'t> Contacts<'t> {
         lines
     }
 
-    /// The lines longer than `shortest` at which other faces touch a face, or end at most `near` (normalised) before it.
+    /// The lines longer than `shortest` at which other faces touch a face, or end at most `near` (normalised)
+    /// before it.
     pub fn lines_on(&self, face: usize, flat: &Flat, near: f64, shortest: f64) -> Vec<Line> {
         let mut lines = Vec::new();
         let mut push = |ends: [DVec2; 2], touches: bool, counts: &dyn Fn() -> bool| {
@@ -87,8 +89,9 @@ impl<'t> Contacts<'t> {
         lines
     }
 
-    /// Whether a face is a lamp that is turned to the plane. From near by it is all that a patch below it would see, and form factors
-    /// between two such surfaces do not close: patches that see other things beside it are better.
+    /// Whether a face is a lamp that is turned to the plane. From near by it is all that a patch below it
+    /// would see, and form factors between two such surfaces do not close: patches that see other things
+    /// beside it are better.
     fn shines_on(&self, face: usize, flat: &Flat) -> bool {
         let [a, b, c] = self.tracer.corners(face).map(|p| flat.place(p));
         let front = (b - a).cross(c - a).normalize_or_zero();
@@ -97,8 +100,8 @@ impl<'t> Contacts<'t> {
         self.tracer.scene().material_of(face).emits() && can_face((&[below], normal), (&[a, b, c], front))
     }
 
-    /// Whether edge `k` of a face is one on which light changes: not a line within a surface, as seen along the normal of the plane, or
-    /// as it touches the plane.
+    /// Whether edge `k` of a face is one on which light changes: not a line within a surface, as seen along
+    /// the normal of the plane, or as it touches the plane.
     fn is_outline(&self, face: usize, k: usize, flat: &Flat, touches: bool) -> bool {
         let corners = self.tracer.corners(face);
         let ends = [corners[k], corners[(k + 1) % 3]];
@@ -160,7 +163,8 @@ fn box_around(corners: &[DVec3; 3], pad: f64) -> Aabb {
     Aabb { min: round(a.min(b).min(c) - pad), max: round(a.max(b).max(c) + pad) }
 }
 
-/// A face laid flat: the first corner is the origin, the second lies on the first axis, and lengths are what they are in space.
+/// A face laid flat: the first corner is the origin, the second lies on the first axis, and lengths are what
+/// they are in space.
 pub(super) struct Flat {
     origin: DVec3,
     axes: [DVec3; 3],
@@ -220,7 +224,8 @@ mod tests {
         [[-2.0, -2.0, 4.0], [-2.0, 2.0, 4.0], [2.0, 2.0, 4.0], [2.0, -2.0, 4.0]],
     ];
 
-    /// The number and the total length, metres, of the lines on the floor's two faces where more faces touch them.
+    /// The number and the total length, metres, of the lines on the floor's two faces where more faces touch
+    /// them.
     fn lines_on_floor(more: &[Quad], near: f64) -> (usize, f64) {
         let mut parts =
             SceneParts { materials: vec![Material::diffuse("grey", &[0.5])], ..Default::default() };

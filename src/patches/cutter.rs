@@ -1,7 +1,7 @@
 //! Cutter: cuts one scene into patches, as often as it is asked to.
 //!
-//! Most of the work of a cut is to find where surfaces touch and where light reaches. A cutter remembers the one, and takes the other from a cut that
-//! was made before.
+//! Most of the work of a cut is to find where surfaces touch and where light reaches. A cutter remembers the
+//! one, and takes the other from a cut that was made before.
 
 use rayon::prelude::*;
 
@@ -40,10 +40,12 @@ impl<'t, 's> Cutter<'t, 's> {
         }
     }
 
-    /// Cuts so that about `count` slots are reached: once coarsely, to see which sides are, then as fine as that says.
+    /// Cuts so that about `count` slots are reached: once coarsely, to see which sides are, then as fine as
+    /// that says.
     fn cut_into(&mut self, count: usize, options: &Tessellation) -> Result<Patches<'s>, PatchError> {
         const COARSE: usize = 1000;
-        /// A cut that has not the expected number of patches, because finer patches see more, is made once more.
+        /// A cut that has not the expected number of patches, because finer patches see more, is made once
+        /// more.
         const ATTEMPTS: usize = 2;
         let (tracer, parting) = (self.tracer, &mut self.parting);
         let (mut edge, _) = edge_for(tracer, count.min(COARSE), parting, |_| [1.0; 2]);
@@ -66,8 +68,8 @@ impl<'t, 's> Cutter<'t, 's> {
         Ok(patches)
     }
 
-    /// Cuts the scene of `known` into about `count` patches. Light is looked for only where it is known to reach; what it reaches besides is found by
-    /// the rays that land on it.
+    /// Cuts the scene of `known` into about `count` patches. Light is looked for only where it is known to
+    /// reach; what it reaches besides is found by the rays that land on it.
     ///
     /// # Errors
     /// `TooMany` or `Cancelled`.
@@ -90,12 +92,14 @@ impl<'t, 's> Cutter<'t, 's> {
         Ok(patches)
     }
 
-    /// About how many patches [`Cutter::resize`] would make: faces are cut in whole steps, and all of a mesh at once where they are alike.
+    /// About how many patches [`Cutter::resize`] would make: faces are cut in whole steps, and all of a mesh
+    /// at once where they are alike.
     pub fn expected(&mut self, known: &Patches<'s>, count: usize) -> usize {
         self.edge_like(known, count).1.round() as usize
     }
 
-    /// The edge (normalised) at which there are about `count` patches if light reaches what it reaches in `known`, and how many there are.
+    /// The edge (normalised) at which there are about `count` patches if light reaches what it reaches in
+    /// `known`, and how many there are.
     fn edge_like(&mut self, known: &Patches<'s>, count: usize) -> (f64, f64) {
         let faces = 0..self.tracer.scene().faces().len();
         let shares: Vec<_> = faces.map(|face| known.reached_share(face)).collect();

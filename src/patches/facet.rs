@@ -39,8 +39,8 @@ impl<'t> Facet<'t> {
         a + (b - a) * u + (c - a) * v
     }
 
-    /// Where light from a point is looked for: drawn by solid angle where the point is near, so that no part that it lights up is
-    /// missed, and uniform over the triangle elsewhere.
+    /// Where light from a point is looked for: drawn by solid angle where the point is near, so that no part
+    /// that it lights up is missed, and uniform over the triangle elsewhere.
     #[inline]
     pub fn target(&self, from: DVec3, square: [f64; 2]) -> Target {
         let [a, b, c] = self.corners;
@@ -84,7 +84,8 @@ impl<'t> Facet<'t> {
         self.coat.map_or(1.0, |coat| coat.weight(self.normal.dot(direction)))
     }
 
-    /// Rays from all over the facet, distributed by the cosine or as its coat lets light out: points `range` of a random sequence.
+    /// Rays from all over the facet, distributed by the cosine or as its coat lets light out: points `range`
+    /// of a random sequence.
     pub fn rays(self, sequence: sampling::Sequence, range: Range<u32>) -> impl Iterator<Item = Ray> + 't {
         let frame = sampling::frame_around(self.normal);
         range.map(move |k| {

@@ -1,7 +1,7 @@
 //! Locator: which of many triangles of a face a point may lie in.
 //!
-//! A square grid over the barycentrics of the face, about as many bins as triangles; each bin knows the triangles whose boxes
-//! reach into it.
+//! A square grid over the barycentrics of the face, about as many bins as triangles; each bin knows the
+//! triangles whose boxes reach into it.
 
 use glam::DVec2;
 

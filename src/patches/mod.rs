@@ -1,12 +1,13 @@
 //! Patches: the scene's faces cut into pieces, and the index space of every vector and matrix.
 //!
-//! Each face is cut into *cells*; a cell's side is a *slot*: a patch that could be. Light reaches some slots and not others
-//! (the backs of a closed room's walls, say). The slots it reaches are the *patches*, the unknowns of the problem,
-//! numbered by face, then side, then cell. Everything that has one value a patch uses that order.
+//! Each face is cut into *cells*; a cell's side is a *slot*: a patch that could be. Light reaches some slots
+//! and not others (the backs of a closed room's walls, say). The slots it reaches are the *patches*, the
+//! unknowns of the problem, numbered by face, then side, then cell. Everything that has one value a patch
+//! uses that order.
 //!
-//! Where other surfaces touch a face, pass through it or end close before it, it is cut along the line: light changes
-//! by a step there, and a patch on both sides of the foot of a box would carry light into the box. So no patch is larger than
-//! the size asked for, and some are smaller.
+//! Where other surfaces touch a face, pass through it or end close before it, it is cut along the line: light
+//! changes by a step there, and a patch on both sides of the foot of a box would carry light into the box. So
+//! no patch is larger than the size asked for, and some are smaller.
 
 mod aggregate;
 mod basis;
@@ -52,8 +53,8 @@ use subdivide::{Cuts, Uncut};
 /// How finely to cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PatchSize {
-    /// About so many patches in all. Faces are never merged, so a mesh of many faces has at least as many patches; even then
-    /// half the count goes to cutting its larger faces.
+    /// About so many patches in all. Faces are never merged, so a mesh of many faces has at least as many
+    /// patches; even then half the count goes to cutting its larger faces.
     Count(usize),
     /// No leg of a patch longer than this, metres.
     Edge(f64),
@@ -234,7 +235,8 @@ impl<'s> Patches<'s> {
         Ok(patches)
     }
 
-    /// Makes the given slots patches too, and those on the other side of sheets where light is looked for; numbers all patches anew.
+    /// Makes the given slots patches too, and those on the other side of sheets where light is looked for;
+    /// numbers all patches anew.
     pub(crate) fn activate(&mut self, slots: &[u32]) {
         let across: Vec<u32> = match self.reach {
             Reach::Light => slots.iter().filter_map(|&slot| self.across(slot)).collect(),
@@ -298,7 +300,8 @@ impl<'s> Patches<'s> {
         self.edge
     }
 
-    /// The patch in which a point of a face's side lies; none where light does not reach, and on mirrors and glass.
+    /// The patch in which a point of a face's side lies; none where light does not reach, and on mirrors and
+    /// glass.
     #[inline]
     pub fn patch_at(&self, face: usize, side: Side, point: Barycentrics) -> Option<usize> {
         if self.first_slot[face] == self.first_slot[face + 1] {
@@ -379,8 +382,8 @@ impl<'s> Patches<'s> {
         }
     }
 
-    /// Whether a slot sends out light once light reaches it or its other side: it reflects, lets light through, or is the front of a lamp. Where everything is
-    /// to be reached, all do.
+    /// Whether a slot sends out light once light reaches it or its other side: it reflects, lets light
+    /// through, or is the front of a lamp. Where everything is to be reached, all do.
     pub(crate) fn is_bright(&self, slot: u32) -> bool {
         if self.reach != Reach::Light {
             return true;
@@ -397,8 +400,9 @@ impl<'s> Patches<'s> {
         &self.areas
     }
 
-    /// Étendues by π in the normalised frame, n values: A n² (1 − Ē) in a medium of index of refraction n and under a
-    /// [coat](crate::trace::Coat), elsewhere the area. What a patch of radiance L, by n², sends out is π L times this.
+    /// Étendues by π in the normalised frame, n values: A n² (1 − Ē) in a medium of index of refraction n and
+    /// under a [coat](crate::trace::Coat), elsewhere the area. What a patch of radiance L, by n², sends out
+    /// is π L times this.
     pub fn etendues(&self) -> &[f64] {
         if self.per_area.is_empty() { &self.areas } else { &self.etendues }
     }
@@ -418,7 +422,8 @@ impl<'s> Patches<'s> {
         self.etendues()[patch] * self.frame.scale().powi(2)
     }
 
-    /// For each slot whether another face covers it, told at its centre; nothing at all where no faces coincide.
+    /// For each slot whether another face covers it, told at its centre; nothing at all where no faces
+    /// coincide.
     fn covered_slots(&self, tracer: &Tracer) -> Vec<bool> {
         if tracer.overlaps().is_empty() {
             return Vec::new();
@@ -519,7 +524,8 @@ impl<'s> Patches<'s> {
         }
     }
 
-    /// Emitted radiance of each material's lamps by themselves; the sum over materials is [`Patches::sources`].
+    /// Emitted radiance of each material's lamps by themselves; the sum over materials is
+    /// [`Patches::sources`].
     pub fn sources_by_material(&self) -> Vec<LampGroup> {
         let all = self.sources();
         let material_of = |i: usize| self.scene.faces()[self.place(i).face].material as usize;

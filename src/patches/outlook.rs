@@ -1,7 +1,8 @@
 //! Outlook: how many patches a cut will give, and where, told from the shape alone before a ray is traced.
 //!
-//! A surface without a rim parts the inside from the outside, and light is taken to reach but one of the two; of any other surface
-//! it is taken to reach both sides. A side that looks away from everything counts only where lights come from outside.
+//! A surface without a rim parts the inside from the outside, and light is taken to reach but one of the two;
+//! of any other surface it is taken to reach both sides. A side that looks away from everything counts only
+//! where lights come from outside.
 
 use std::collections::HashMap;
 
@@ -19,7 +20,8 @@ use crate::trace::Tracer;
 pub struct Outlook {
     /// Per face and side, front first: how many patches.
     pub patches_of: Vec<[f64; 2]>,
-    /// The triangles into which contacts part the faces that have patches, in order of faces: each is cut evenly.
+    /// The triangles into which contacts part the faces that have patches, in order of faces: each is cut
+    /// evenly.
     pub stretches: Vec<Stretch>,
     /// Per face and side: 1 for mirrors and glass, which have no patches.
     pub carriers: Vec<[f64; 2]>,
@@ -79,8 +81,8 @@ impl Outlook {
     }
 }
 
-/// Which sides of faces light probably reaches, 1 or 0, front first; all of a scene's where that would be none. And the faces of which it reaches one
-/// side through the other.
+/// Which sides of faces light probably reaches, 1 or 0, front first; all of a scene's where that would be
+/// none. And the faces of which it reaches one side through the other.
 fn likely_sides(tracer: &Tracer) -> (Vec<[f64; 2]>, Vec<usize>) {
     let scene = tracer.scene();
     let from_outside = scene.sky().is_some() || scene.lights().next().is_some();
@@ -116,8 +118,8 @@ fn likely_sides(tracer: &Tracer) -> (Vec<[f64; 2]>, Vec<usize>) {
     (sides, through)
 }
 
-/// For each of these faces the side that light reaches, if the surface it belongs to has no rim: the inside of the one that holds
-/// all others, the outside of these.
+/// For each of these faces the side that light reaches, if the surface it belongs to has no rim: the inside
+/// of the one that holds all others, the outside of these.
 fn sides_of_surfaces(tracer: &Tracer, faces: &[usize]) -> Vec<Option<Side>> {
     // Join faces that share an edge, and count the faces at every edge.
     let mut group: Vec<usize> = (0..faces.len()).collect();

@@ -1,8 +1,8 @@
 //! Parts: the triangles into which contacts part a face before it is cut into patches.
 //!
-//! Lines that run along one another, or along the face's border, are made one; ends that lie near a line or another end are moved there. What
-//! is left is triangulated with these lines as edges (constrained Delaunay triangulation, by `spade`). Where that comes to nothing a
-//! face stays whole.
+//! Lines that run along one another, or along the face's border, are made one; ends that lie near a line or
+//! another end are moved there. What is left is triangulated with these lines as edges (constrained Delaunay
+//! triangulation, by `spade`). Where that comes to nothing a face stays whole.
 //!
 //! The outlines of what covers a face in its own plane part it exactly, however small it is: a patch is
 //! covered or it is not. So do the lines along which other faces pass through it: a patch lies on one side of
@@ -94,8 +94,8 @@ impl Parts {
 
 /// Finds the parts of a scene's faces, for patches of any size.
 ///
-/// What is near and what is the same depends on the size of patches only by its power of two, so that few different answers are asked
-/// for while a size is sought.
+/// What is near and what is the same depends on the size of patches only by its power of two, so that few
+/// different answers are asked for while a size is sought.
 pub(super) struct Parting<'t> {
     tracer: &'t Tracer<'t>,
     contacts: Contacts<'t>,
@@ -158,7 +158,8 @@ impl Parts {
     }
 }
 
-/// Per face the lines that part it however small it is: outlines of what covers it, then those along which others pass through it.
+/// Per face the lines that part it however small it is: outlines of what covers it, then those along which
+/// others pass through it.
 type ExactLines = HashMap<usize, Vec<[DVec2; 2]>>;
 
 fn exact_lines(tracer: &Tracer, contacts: &Contacts) -> ExactLines {
@@ -219,7 +220,8 @@ impl Welded {
         }
     }
 
-    /// Moves an end to the nearest end, or else to the nearest line, if that is near enough; a line that is met is broken there.
+    /// Moves an end to the nearest end, or else to the nearest line, if that is near enough; a line that is
+    /// met is broken there.
     fn moved(&mut self, end: DVec2) -> DVec2 {
         let nearest = |places: &mut dyn Iterator<Item = (usize, DVec2)>| {
             let near = places.filter(|(_, place)| place.distance(end) <= self.weld);
@@ -278,7 +280,8 @@ fn split_at_crossings(lines: &[[DVec2; 2]]) -> Vec<[DVec2; 2]> {
     pieces
 }
 
-/// The triangles of a face with these corners and these lines on it, as points of the face; none if there are no lines, or no way.
+/// The triangles of a face with these corners and these lines on it, as points of the face; none if there are
+/// no lines, or no way.
 fn triangulate(corners: &[DVec2; 3], lines: &[[DVec2; 2]]) -> Option<Vec<[DVec2; 3]>> {
     if lines.is_empty() {
         return None;

@@ -1,7 +1,9 @@
-//! Sheets: which patches lie back to back on surfaces that let light through, and how much comes through them.
+//! Sheets: which patches lie back to back on surfaces that let light through, and how much comes through
+//! them.
 //!
-//! Both sides of a face share its cut, so that the two patches of a pair have the same area, the same corners in the same order and the same basis
-//! functions: coefficient a of the one lies on coefficient a of the other.
+//! Both sides of a face share its cut, so that the two patches of a pair have the same area, the same corners
+//! in the same order and the same basis functions: coefficient a of the one lies on coefficient a of the
+//! other.
 
 use nalgebra::DMatrix;
 
@@ -53,7 +55,8 @@ impl Sheets {
 }
 
 impl Patches<'_> {
-    /// The pairs of patches between which light comes through sheets; none where no sheet lets light through, or is a patch on both sides.
+    /// The pairs of patches between which light comes through sheets; none where no sheet lets light through,
+    /// or is a patch on both sides.
     pub fn sheets(&self) -> Option<Sheets> {
         if !self.is_translucent {
             return None;

@@ -1,7 +1,9 @@
 //! Sides: which slots light can reach, and so become patches.
 //!
-//! Reached is a flag per slot. Lamps are reached, and what lights without area and the sky shine on; from every reached slot that reflects or emits, light goes on to what its rays meet
-//! and to what sees it, until nothing new turns up; where a sheet lets light through, both of its sides are reached at once. What no light reaches costs nothing and stays exactly zero.
+//! Reached is a flag per slot. Lamps are reached, and what lights without area and the sky shine on; from
+//! every reached slot that reflects or emits, light goes on to what its rays meet and to what sees it, until
+//! nothing new turns up; where a sheet lets light through, both of its sides are reached at once. What no
+//! light reaches costs nothing and stays exactly zero.
 
 use std::ops::Range;
 
@@ -35,7 +37,8 @@ pub(super) const GLANCE: u32 = 4;
 /// Looks straight at lamps, which are small and easily missed.
 const LAMP_LOOKS: u32 = 32;
 
-/// The same where light reaches other slots of the side: a slot at the edge of a shadow may see a small part of a lamp, or a lamp from a small part of it.
+/// The same where light reaches other slots of the side: a slot at the edge of a shadow may see a small part
+/// of a lamp, or a lamp from a small part of it.
 const CLOSE_LOOKS: u32 = 256;
 
 impl Patches<'_> {
@@ -59,7 +62,8 @@ impl Patches<'_> {
         Ok(())
     }
 
-    /// Makes those slots patches that light reaches among `likely` ones, and what else it happens to meet: a glance will do where so much is known.
+    /// Makes those slots patches that light reaches among `likely` ones, and what else it happens to meet: a
+    /// glance will do where so much is known.
     pub(super) fn reach_likely(
         &mut self,
         tracer: &Tracer,

@@ -8,8 +8,8 @@ use crate::trace::Tracer;
 /// The most slots, reached or not, for each patch that is wanted.
 const DARK_PER_PATCH: f64 = 16.0;
 
-/// The edge (normalised) at which about `count` slots are reached, and how many are at this edge, where `share` tells which part
-/// of each face's sides is.
+/// The edge (normalised) at which about `count` slots are reached, and how many are at this edge, where
+/// `share` tells which part of each face's sides is.
 pub(super) fn edge_for(
     tracer: &Tracer,
     count: usize,

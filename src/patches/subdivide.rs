@@ -2,9 +2,9 @@
 //!
 //! A face is cut by lines parallel to its shortest edge into *rows*, and each row into triangles, so that a
 //! well-shaped face falls into similar triangles and a sliver is cut along its long side only. A flat, obtuse
-//! sliver is first cut in two at its altitude. A face that others touch comes in parts, and each part is cut like a
-//! face. The arithmetic here is all there is: [`Cuts::cell_at`] finds the cell of a point in constant time,
-//! [`Cuts::corners`] the corners of a cell.
+//! sliver is first cut in two at its altitude. A face that others touch comes in parts, and each part is cut
+//! like a face. The arithmetic here is all there is: [`Cuts::cell_at`] finds the cell of a point in constant
+//! time, [`Cuts::corners`] the corners of a cell.
 
 use glam::{DMat2, DVec2, DVec3};
 
@@ -56,7 +56,8 @@ impl Piece {
 #[derive(Clone, Debug, PartialEq)]
 struct Grid {
     rows: u32,
-    /// Into how many segments each line is divided, from the apex to the base, see `segments_of`, and how long these are; 0 at the apex.
+    /// Into how many segments each line is divided, from the apex to the base, see `segments_of`, and how
+    /// long these are; 0 at the apex.
     lines: Vec<(u32, f64)>,
     /// Per row, and one more: its first cell.
     first_cell: Vec<u32>,
@@ -110,7 +111,8 @@ impl Grid {
     }
 }
 
-/// Into how many segments line `line` of a triangle in so many rows is divided: none at the apex, `columns` at the base.
+/// Into how many segments line `line` of a triangle in so many rows is divided: none at the apex, `columns`
+/// at the base.
 fn segments_of(line: u32, rows: u32, columns: u32) -> u32 {
     let even = (2 * line as u64 * columns as u64 + rows as u64) / (2 * rows as u64);
     if line == 0 { 0 } else { (even as u32).max(1) }
@@ -293,8 +295,8 @@ impl Cuts {
         corners.map(|(h, w)| (a + (b - a) * (h - w) + (c - a) * w).to_array())
     }
 
-    /// Where in a cell a point of its face lies: weights of the cell's second and third corner. A point beside the cell is moved
-    /// to its rim.
+    /// Where in a cell a point of its face lies: weights of the cell's second and third corner. A point
+    /// beside the cell is moved to its rim.
     pub fn weights_in(&self, face: usize, cell: u32, point: Barycentrics) -> Barycentrics {
         let [a, b, c] = self.corners(face, cell).map(DVec2::from);
         let weights = DMat2::from_cols(b - a, c - a).inverse() * (DVec2::from(point) - a);

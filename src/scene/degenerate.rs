@@ -48,7 +48,8 @@ pub(super) fn drop_degenerate(
     }
 }
 
-/// A triangle as a key: the same for the same corners in the same winding. The other winding lies back to back and is another face.
+/// A triangle as a key: the same for the same corners in the same winding. The other winding lies back to
+/// back and is another face.
 pub(super) fn oriented(corners: [DVec3; 3]) -> [[u64; 3]; 3] {
     // Adding zero makes -0.0 and 0.0 the same corner.
     let mut corners = corners.map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));

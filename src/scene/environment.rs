@@ -1,7 +1,8 @@
 //! Environment: a picture of everything around the scene, by longitude and latitude.
 //!
-//! The upper edge is straight up and the lower one straight down. With y up the middle of the picture lies towards −z and what is to the right
-//! of it towards +x; other ups tilt all of it by the shortest way. `turn` then turns it about up, counter-clockwise seen from above.
+//! The upper edge is straight up and the lower one straight down. With y up the middle of the picture lies
+//! towards −z and what is to the right of it towards +x; other ups tilt all of it by the shortest way. `turn`
+//! then turns it about up, counter-clockwise seen from above.
 
 use std::f64::consts::{PI, TAU};
 

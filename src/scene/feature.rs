@@ -7,12 +7,13 @@ use super::{FaceState, Material, Scene, Sheet, SkyKind, Surface, Textures, lumin
 /// Something that a scene can do without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feature {
-    /// Light that surfaces reflect onto others. Without it the light of a surface is what it emits, and what it reflects of light that
-    /// comes straight from lamps, lights and sky.
+    /// Light that surfaces reflect onto others. Without it the light of a surface is what it emits, and what
+    /// it reflects of light that comes straight from lamps, lights and sky.
     Interreflection,
     /// What channels differ in. Without it all colours are greys of the same luminance.
     Colour,
-    /// Backs of faces. Without them a back is black, nothing comes through, and nothing is known of the light on it.
+    /// Backs of faces. Without them a back is black, nothing comes through, and nothing is known of the light
+    /// on it.
     BackSides,
     /// Light through sheets. Without it they absorb what they would let through.
     Transmission,
@@ -26,7 +27,8 @@ pub enum Feature {
     Gloss,
     /// The coat of plastic. Without it only its diffuse base is there.
     Plastic,
-    /// What colour mirrors, metals and glass give to light. Without it they are grey, by the mean of their channels.
+    /// What colour mirrors, metals and glass give to light. Without it they are grey, by the mean of their
+    /// channels.
     CarrierColour,
     /// Lights without area.
     Lights,

@@ -1,8 +1,9 @@
-//! IES: luminous intensity by direction, as LM-63 photometric files of type C give it (IESNA LM-63-1986, 1991, 1995, 2002; ANSI/IES LM-63-19).
+//! IES: luminous intensity by direction, as LM-63 photometric files of type C give it (IESNA LM-63-1986,
+//! 1991, 1995, 2002; ANSI/IES LM-63-19).
 //!
-//! A vertical angle θ of 0 is the luminaire's axis, usually straight down, and 180 the way back; a horizontal angle φ of 0 is the half-plane C0,
-//! and φ grows counter-clockwise seen from behind the luminaire, which is from above. Between the angles of the table intensity is
-//! bilinear, outside it is none.
+//! A vertical angle θ of 0 is the luminaire's axis, usually straight down, and 180 the way back; a horizontal
+//! angle φ of 0 is the half-plane C0, and φ grows counter-clockwise seen from behind the luminaire, which is
+//! from above. Between the angles of the table intensity is bilinear, outside it is none.
 
 use std::f64::consts::TAU;
 
@@ -22,8 +23,8 @@ pub struct IntensityTable {
 }
 
 impl IntensityTable {
-    /// Reads the text of a photometric file. Lamp multiplier and ballast factor are in the intensities then; what the user should know of is added
-    /// to `warnings`.
+    /// Reads the text of a photometric file. Lamp multiplier and ballast factor are in the intensities then;
+    /// what the user should know of is added to `warnings`.
     ///
     /// # Errors
     /// What is wrong and what to do, with the line from 1.

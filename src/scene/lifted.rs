@@ -1,16 +1,17 @@
 //! Lifted lights: a light that lies on a face stands a hair in front of it.
 //!
-//! In a face's own plane a light would be on neither side: half of what it sends would be lost. So a light with a place that touches
-//! faces is moved along their normals until it is in front of all of them. What it sends towards them then falls on them, right beside
-//! it. Where faces look opposite ways, it is in front of those that come first in the file.
+//! In a face's own plane a light would be on neither side: half of what it sends would be lost. So a light
+//! with a place that touches faces is moved along their normals until it is in front of all of them. What it
+//! sends towards them then falls on them, right beside it. Where faces look opposite ways, it is in front of
+//! those that come first in the file.
 
 use glam::DVec3;
 
 use super::degenerate::count;
 use super::{Face, FaceState, Light};
 
-/// What is as near as this to a face lies on it, and so far in front of it a light is moved at least, as a part of half of the scene's
-/// longest side: files often round to as much.
+/// What is as near as this to a face lies on it, and so far in front of it a light is moved at least, as a
+/// part of half of the scene's longest side: files often round to as much.
 const TOUCH: f64 = 1e-6;
 
 /// By how much farther than it must a light is moved over each face, so that few moves do for several faces.
@@ -89,7 +90,8 @@ fn in_front_of(position: DVec3, touched: &[(usize, Plane)], lift: f64) -> (DVec3
     (place, fronts)
 }
 
-/// A place over all planes at least by `lift`, by moves over whichever it is lowest over (Agmon 1954); none where there is none near.
+/// A place over all planes at least by `lift`, by moves over whichever it is lowest over (Agmon 1954); none
+/// where there is none near.
 fn raised(mut place: DVec3, planes: &[Plane], lift: f64) -> Option<DVec3> {
     for _ in 0..MOVES {
         let height = |&(corner, normal): &Plane| normal.dot(place - corner);

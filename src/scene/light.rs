@@ -50,7 +50,8 @@ pub enum Light {
         direction: DVec3,
         /// Irradiance of a surface that faces it, W·m⁻².
         irradiance: Vec<f64>,
-        /// How wide the disc looks, degrees, 0 (for shadows without an edge) to below 180; the sun's is 0.533.
+        /// How wide the disc looks, degrees, 0 (for shadows without an edge) to below 180; the sun's is
+        /// 0.533.
         diameter: f64,
     },
 }

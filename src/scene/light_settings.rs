@@ -1,9 +1,10 @@
 //! Light settings: `[[light]]` and `[sky]` of a scene's `.toml`.
 //!
-//! A power is given in watts or in lumens, and the name of its key tells which: `intensity` (W/sr) or `luminous_intensity` (cd), `flux`
-//! (W) or `luminous_flux` (lm), `irradiance` (W/m²) or `illuminance` (lx), `radiance` (W/sr/m²) or `luminance` (cd/m²). Those in watts are
-//! one number or three; those in lumens are one number, whose colour is that of `colour`. Luminaires and environments bring their light in a
-//! file, which `scale` and the like multiply.
+//! A power is given in watts or in lumens, and the name of its key tells which: `intensity` (W/sr) or
+//! `luminous_intensity` (cd), `flux` (W) or `luminous_flux` (lm), `irradiance` (W/m²) or `illuminance` (lx),
+//! `radiance` (W/sr/m²) or `luminance` (cd/m²). Those in watts are one number or three; those in lumens are
+//! one number, whose colour is that of `colour`. Luminaires and environments bring their light in a file,
+//! which `scale` and the like multiply.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -108,7 +109,8 @@ pub(super) enum SkySettings {
 }
 
 impl LightSettings {
-    /// The light in metres and watts; `unit` in metres, `efficacy` in lm/W. Photometric files are looked for in `folder`.
+    /// The light in metres and watts; `unit` in metres, `efficacy` in lm/W. Photometric files are looked for
+    /// in `folder`.
     pub fn light(
         &self,
         (unit, efficacy): (f64, f64),
@@ -213,7 +215,8 @@ fn aim(
     }
 }
 
-/// Where horizontal angle 0 points if nothing is said: along x, or along z if the luminaire's axis nearly does.
+/// Where horizontal angle 0 points if nothing is said: along x, or along z if the luminaire's axis nearly
+/// does.
 fn default_c0(direction: DVec3) -> DVec3 {
     if direction.x.abs() < 0.9 { DVec3::X } else { DVec3::Z }
 }
@@ -276,7 +279,8 @@ impl SkySettings {
     }
 }
 
-/// What the number behind a key of an environment is divided by to get what a value of 1 in the picture means.
+/// What the number behind a key of an environment is divided by to get what a value of 1 in the picture
+/// means.
 enum Value {
     /// This.
     Factor(f64),

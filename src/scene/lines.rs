@@ -1,8 +1,8 @@
 //! Lines: an OBJ text, every line checked once and put in the plain form that `tobj` reads without surprises.
 //!
-//! Points come before faces, corners count from the start, colours of vertices and all that is no surface are gone, and
-//! every face has a material, texture coordinates and normals: where the file gives none, those of [`NONE`], no numbers and a zero vector. Where no
-//! face has texture coordinates there are none at all.
+//! Points come before faces, corners count from the start, colours of vertices and all that is no surface are
+//! gone, and every face has a material, texture coordinates and normals: where the file gives none, those of
+//! [`NONE`], no numbers and a zero vector. Where no face has texture coordinates there are none at all.
 
 use std::fmt::Write;
 use std::io::{BufRead, Read};

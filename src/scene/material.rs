@@ -4,8 +4,8 @@ use super::{Sheet, Side, Texture, Textures};
 
 /// How a surface passes light on.
 ///
-/// Mirrors, dielectrics and conductors are *carriers*: light goes on from them in one direction or two, or in a lobe, so that they are no
-/// patches but part of the way between patches.
+/// Mirrors, dielectrics and conductors are *carriers*: light goes on from them in one direction or two, or in
+/// a lobe, so that they are no patches but part of the way between patches.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
     /// Lambertian: radiance leaves equally in every direction.
@@ -15,31 +15,34 @@ pub enum Surface {
         /// Reflectance Ks per channel, 0 to 1.
         reflectance: Vec<f64>,
     },
-    /// Smooth glass or water (`illum 4`, `6`, `7` or `9`), bounded by closed surfaces that front outward. Solids may lie in each other.
+    /// Smooth glass or water (`illum 4`, `6`, `7` or `9`), bounded by closed surfaces that front outward.
+    /// Solids may lie in each other.
     Dielectric {
         /// Index of refraction Ni of what lies behind the front; 1 outside of all such solids.
         index: f64,
         /// Which part of the light Tf passes at each crossing of the surface, per channel, 0 to 1.
         filter: Vec<f64>,
     },
-    /// Thin glass (`thin = true` for such a dielectric in the scene's `.toml`): a sheet that stands for both of its surfaces. Light goes
-    /// straight through, or is reflected, with all reflections inside.
+    /// Thin glass (`thin = true` for such a dielectric in the scene's `.toml`): a sheet that stands for both
+    /// of its surfaces. Light goes straight through, or is reflected, with all reflections inside.
     Pane {
         /// Index of refraction, relative to what lies around it.
         index: f64,
-        /// Which part of the light is left on one way through, per channel, 0 to 1: Tf² where Tf passes each surface.
+        /// Which part of the light is left on one way through, per channel, 0 to 1: Tf² where Tf passes each
+        /// surface.
         filter: Vec<f64>,
     },
-    /// Rough conductor (`Pm` and `Pr`, or `illum 5`), on both sides: light goes on in a lobe around the mirror's direction, GGX with
-    /// all reflections among its facets, so that a white one absorbs nothing.
+    /// Rough conductor (`Pm` and `Pr`, or `illum 5`), on both sides: light goes on in a lobe around the
+    /// mirror's direction, GGX with all reflections among its facets, so that a white one absorbs nothing.
     Conductor {
         /// Reflectance at normal incidence per channel, 0 to 1; towards grazing it rises to 1.
         reflectance: Vec<f64>,
         /// Roughness Pr, the root of GGX's α, 0 (a mirror to the eye) to 1.
         roughness: f64,
     },
-    /// Plastic, or anything varnished (`Pr`, or `illum 5` with Kd): the diffuse reflectance under a clear coat, on both sides. The coat is a
-    /// dielectric with GGX's facets that reflects by Fresnel's formulas; what it does not reflect gets under it. Nothing is lost. It emits nothing.
+    /// Plastic, or anything varnished (`Pr`, or `illum 5` with Kd): the diffuse reflectance under a clear
+    /// coat, on both sides. The coat is a dielectric with GGX's facets that reflects by Fresnel's formulas;
+    /// what it does not reflect gets under it. Nothing is lost. It emits nothing.
     Plastic {
         /// Index of refraction of the coat, 1 (no coat) to 10.
         index: f64,
@@ -59,7 +62,8 @@ impl Surface {
         }
     }
 
-    /// Whether some light goes on from it without being spread diffusely: from carriers all, from plastic what its coat reflects.
+    /// Whether some light goes on from it without being spread diffusely: from carriers all, from plastic
+    /// what its coat reflects.
     pub fn passes_on(&self) -> bool {
         self.is_carrier() || matches!(self, Self::Plastic { .. })
     }
@@ -123,15 +127,18 @@ impl Surface {
 pub struct Material {
     /// Name, as faces refer to it.
     pub name: String,
-    /// Diffuse reflectance (albedo) ρ of both sides, or of the front where a sheet's back has its own, per channel, 0 to 1.
+    /// Diffuse reflectance (albedo) ρ of both sides, or of the front where a sheet's back has its own, per
+    /// channel, 0 to 1.
     pub reflectance: Vec<f64>,
     /// Emitted radiance Lₑ of the front side, per channel, W·sr⁻¹·m⁻².
     pub emission: Vec<f64>,
     /// How the surface passes light on. Carriers neither reflect diffusely nor emit.
     pub surface: Surface,
-    /// What diffuse surfaces let through, and what their back reflects, where that is not nothing and as the front does.
+    /// What diffuse surfaces let through, and what their back reflects, where that is not nothing and as the
+    /// front does.
     pub sheet: Option<Sheet>,
-    /// Pictures by which reflectance and emission vary over faces; what they say is multiplied by these. Carriers have none.
+    /// Pictures by which reflectance and emission vary over faces; what they say is multiplied by these.
+    /// Carriers have none.
     pub textures: Textures,
 }
 
@@ -165,18 +172,21 @@ impl Material {
         Self { surface, ..Self::diffuse(name, &vec![0.0; reflectance.len()]) }
     }
 
-    /// A diffuse surface of this reflectance per channel under a clear coat of this roughness, 0 to 1, and this index of refraction.
+    /// A diffuse surface of this reflectance per channel under a clear coat of this roughness, 0 to 1, and
+    /// this index of refraction.
     pub fn plastic(name: impl Into<String>, (roughness, index): (f64, f64), reflectance: &[f64]) -> Self {
         Self { surface: Surface::Plastic { index, roughness }, ..Self::diffuse(name, reflectance) }
     }
 
-    /// A smooth dielectric of this index of refraction, which lets this part of the light pass each of its surfaces, per channel.
+    /// A smooth dielectric of this index of refraction, which lets this part of the light pass each of its
+    /// surfaces, per channel.
     pub fn dielectric(name: impl Into<String>, index: f64, filter: &[f64]) -> Self {
         let surface = Surface::Dielectric { index, filter: filter.to_vec() };
         Self { surface, ..Self::diffuse(name, &vec![0.0; filter.len()]) }
     }
 
-    /// A sheet of glass of this index of refraction, through which this part of the light goes that enters it, per channel.
+    /// A sheet of glass of this index of refraction, through which this part of the light goes that enters
+    /// it, per channel.
     pub fn pane(name: impl Into<String>, index: f64, filter: &[f64]) -> Self {
         let surface = Surface::Pane { index, filter: filter.to_vec() };
         Self { surface, ..Self::diffuse(name, &vec![0.0; filter.len()]) }

@@ -284,9 +284,10 @@ impl Scene {
 
     /// Checks the parts and makes a scene of them.
     ///
-    /// Zero-area and duplicate faces are marked as dropped and counted in a warning; where all
-    /// channels of all materials and lights agree the scene keeps one channel. A light that lies on faces, within a millionth of half of
-    /// the scene's longest side, is moved as far in front of them, and a warning names it.
+    /// Zero-area and duplicate faces are marked as dropped and counted in a warning; where all channels of
+    /// all materials and lights agree the scene keeps one channel. A light that lies on faces, within a
+    /// millionth of half of the scene's longest side, is moved as far in front of them, and a warning names
+    /// it.
     ///
     /// # Errors
     /// `NoFaces`, `NoArea`, `Face`, `Material`, `Light`, `Receiver` or `Camera`.
@@ -424,7 +425,8 @@ impl Scene {
         self.faces[face].state == FaceState::Kept && self.material_of(face).surface.is_carrier()
     }
 
-    /// Whether a face takes part and some light goes on from it without being spread diffusely: from carriers and plastic.
+    /// Whether a face takes part and some light goes on from it without being spread diffusely: from carriers
+    /// and plastic.
     pub fn passes_on(&self, face: usize) -> bool {
         self.faces[face].state == FaceState::Kept && self.material_of(face).surface.passes_on()
     }

@@ -1,4 +1,5 @@
-//! Material libraries: MTL files, every line checked once, read by `tobj`; what their keywords mean here is in the README.
+//! Material libraries: MTL files, every line checked once, read by `tobj`; what their keywords mean here is
+//! in the README.
 
 use std::collections::HashMap;
 use std::io;
@@ -99,7 +100,8 @@ impl Library {
     }
 }
 
-/// Checks a library and puts it in the form that `tobj` reads: colours of three numbers, no line before a name.
+/// Checks a library and puts it in the form that `tobj` reads: colours of three numbers, no line before a
+/// name.
 fn plain(path: &Path, text: &str) -> Result<String, SceneError> {
     let mut plain = String::with_capacity(text.len());
     for (number, line) in (1..).zip(text.lines()) {

@@ -1,6 +1,7 @@
 //! Picture files: what `map_Kd` and `map_Ke` name, and how it is laid on a surface.
 //!
-//! Files of 8 or 16 bits a channel are sRGB (IEC 61966-2-1) and are made linear; OpenEXR and Radiance HDR are linear as they are.
+//! Files of 8 or 16 bits a channel are sRGB (IEC 61966-2-1) and are made linear; OpenEXR and Radiance HDR are
+//! linear as they are.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

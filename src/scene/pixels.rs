@@ -1,8 +1,8 @@
 //! Pixels: a picture in linear light, read between its texels and averaged over triangles.
 //!
-//! Texel (i, j) lies at (i + ½, j + ½), rows from the top. In between the picture is bilinear, and so exactly integrable: a triangle is cut
-//! along the lines that join texels, and over each piece, where the picture is quadratic along any line, the mean of the middles of
-//! a triangle's edges is exact.
+//! Texel (i, j) lies at (i + ½, j + ½), rows from the top. In between the picture is bilinear, and so exactly
+//! integrable: a triangle is cut along the lines that join texels, and over each piece, where the picture is
+//! quadratic along any line, the mean of the middles of a triangle's edges is exact.
 
 use std::sync::Arc;
 
@@ -92,7 +92,8 @@ impl Pixels {
         self.mean
     }
 
-    /// The picture at a place, in texels from the left and from the top; `beyond` is for what lies beside and what above and below it.
+    /// The picture at a place, in texels from the left and from the top; `beyond` is for what lies beside and
+    /// what above and below it.
     #[inline]
     pub fn at(&self, place: DVec2, beyond: [Beyond; 2]) -> [f64; 3] {
         let place = place - 0.5;
@@ -100,7 +101,8 @@ impl Pixels {
         self.in_cell(cell, self.corners(cell, beyond), place)
     }
 
-    /// The mean over a triangle, corners in texels from the left and from the top. A triangle without area is the mean of its edges' middles.
+    /// The mean over a triangle, corners in texels from the left and from the top. A triangle without area is
+    /// the mean of its edges' middles.
     pub fn mean_over(&self, triangle: [DVec2; 3], beyond: [Beyond; 2]) -> [f64; 3] {
         let [a, b, c] = triangle;
         let area = 0.5 * (b - a).perp_dot(c - a);

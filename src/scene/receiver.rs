@@ -9,7 +9,8 @@ pub struct Receiver {
     pub name: String,
     /// A corner, metres.
     pub corner: DVec3,
-    /// Two edges from that corner, metres; light is measured on the side from which the first turns counter-clockwise into the second.
+    /// Two edges from that corner, metres; light is measured on the side from which the first turns
+    /// counter-clockwise into the second.
     pub edges: [DVec3; 2],
     /// Number of points along each edge.
     pub counts: [usize; 2],

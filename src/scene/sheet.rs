@@ -1,7 +1,8 @@
-//! Sheet: a thin surface that lets light through diffusely, as blinds, lampshades and leaves do, or whose back is of another colour.
+//! Sheet: a thin surface that lets light through diffusely, as blinds, lampshades and leaves do, or whose
+//! back is of another colour.
 //!
-//! Of what arrives on a side it reflects ρ of that side, lets τ through and absorbs 1 − ρ − τ. What comes through leaves the other side equally in
-//! every direction; τ is the same from either side (reciprocity).
+//! Of what arrives on a side it reflects ρ of that side, lets τ through and absorbs 1 − ρ − τ. What comes
+//! through leaves the other side equally in every direction; τ is the same from either side (reciprocity).
 
 use super::{Material, Side, Texture};
 
@@ -24,7 +25,8 @@ impl Sheet {
         [&mut self.reflectance_back, &mut self.transmittance]
     }
 
-    /// What is not physical about it, with this reflectance on its front and this picture on both sides, if anything.
+    /// What is not physical about it, with this reflectance on its front and this picture on both sides, if
+    /// anything.
     pub(super) fn check(&self, front: &[f64], texture: Option<&Texture>) -> Result<(), String> {
         for (what, values) in
             [("reflectance_back", &self.reflectance_back), ("transmittance", &self.transmittance)]
@@ -50,7 +52,8 @@ impl Sheet {
 }
 
 impl Material {
-    /// Makes a diffuse surface a sheet that lets this part of the light through, and whose back reflects this part, per channel.
+    /// Makes a diffuse surface a sheet that lets this part of the light through, and whose back reflects this
+    /// part, per channel.
     #[must_use]
     pub fn with_sheet(self, reflectance_back: &[f64], transmittance: &[f64]) -> Self {
         let sheet =
@@ -74,7 +77,8 @@ impl Material {
         tau.filter(|tau| tau.iter().any(|&t| t > 0.0))
     }
 
-    /// The most of what arrives on a side that goes on from there, over all channels: what is reflected and what comes through.
+    /// The most of what arrives on a side that goes on from there, over all channels: what is reflected and
+    /// what comes through.
     pub fn highest_albedo(&self, side: Side) -> f64 {
         let through = |c: usize| self.transmittance().map_or(0.0, |tau| tau[c]);
         let of = |(c, rho): (usize, &f64)| rho + through(c);

@@ -18,7 +18,8 @@ pub struct Sky {
     pub up: DVec3,
     /// Radiance at the zenith, per channel, W·sr⁻¹·m⁻²; of an environment what its value of 1 means.
     pub zenith: Vec<f64>,
-    /// Reflectance of the ground outside, 0 to 1: below the horizon the sky's own light comes back from it, evenly.
+    /// Reflectance of the ground outside, 0 to 1: below the horizon the sky's own light comes back from it,
+    /// evenly.
     pub ground: f64,
 }
 
@@ -29,8 +30,9 @@ pub enum SkyKind {
     Constant,
     /// The CIE standard overcast sky (Moon & Spencer 1942): L = L_z (1 + 2 sin γ)/3 at elevation γ.
     Overcast,
-    /// The CIE standard clear sky (Kittler 1967; CIE S 003): L = L_z f(χ)φ(Z) / (f(Z_s)φ(0)) at an angle χ from the sun and Z from
-    /// the zenith, with f(χ) = 0.91 + 10 e^(−3χ) + 0.45 cos²χ and φ(Z) = 1 − e^(−0.32/cos Z). The sun itself is a light of its own.
+    /// The CIE standard clear sky (Kittler 1967; CIE S 003): L = L_z f(χ)φ(Z) / (f(Z_s)φ(0)) at an angle χ
+    /// from the sun and Z from the zenith, with f(χ) = 0.91 + 10 e^(−3χ) + 0.45 cos²χ and φ(Z) = 1 −
+    /// e^(−0.32/cos Z). The sun itself is a light of its own.
     Clear {
         /// Towards the sun, a unit vector above the horizon.
         sun: DVec3,
@@ -51,8 +53,8 @@ pub struct SkyShares {
 }
 
 impl SkyShares {
-    /// The share that comes from a direction, a unit vector that points into the sky; and by what red, green and blue of it are to be multiplied,
-    /// where they differ. A single channel takes the first.
+    /// The share that comes from a direction, a unit vector that points into the sky; and by what red, green
+    /// and blue of it are to be multiplied, where they differ. A single channel takes the first.
     #[inline]
     pub fn tinted(&self, towards: DVec3) -> (f64, Option<[f64; 3]>) {
         let SkyKind::Environment(environment) = &self.kind else { return (self.from(towards), None) };
@@ -63,7 +65,8 @@ impl SkyShares {
         }
     }
 
-    /// The share that comes from a direction, a unit vector that points into the sky; of an environment its luminance.
+    /// The share that comes from a direction, a unit vector that points into the sky; of an environment its
+    /// luminance.
     #[inline]
     pub fn from(&self, towards: DVec3) -> f64 {
         let height = towards.dot(self.up);
@@ -103,8 +106,8 @@ impl Sky {
         SkyShares { kind, up, zenith, below }
     }
 
-    /// Irradiance of open horizontal ground by the sky above, for a zenith of radiance 1; sr. 7π/9 under an overcast sky:
-    /// ∫ (1 + 2cos θ)/3 cos θ dω = (2π/3)(1/2 + 2/3).
+    /// Irradiance of open horizontal ground by the sky above, for a zenith of radiance 1; sr. 7π/9 under an
+    /// overcast sky: ∫ (1 + 2cos θ)/3 cos θ dω = (2π/3)(1/2 + 2/3).
     pub fn horizontal(&self) -> f64 {
         match self.kind {
             SkyKind::Environment(ref environment) => environment.horizontal(),
@@ -152,7 +155,8 @@ impl Sky {
     }
 }
 
-/// ∫ L cos θ dω over a clear sky whose zenith has radiance 1, by the midpoint rule; `height` is the sine of the sun's elevation.
+/// ∫ L cos θ dω over a clear sky whose zenith has radiance 1, by the midpoint rule; `height` is the sine of
+/// the sun's elevation.
 fn clear_horizontal(height: f64) -> f64 {
     const STEPS: usize = 256;
     let sky = Sky {

@@ -1,6 +1,7 @@
 //! Texture: a picture that varies a material's reflectance or emission over its faces.
 //!
-//! What it says at a place multiplies what the material says: ρ(u, v) = Kd · map_Kd(u, v), Lₑ(u, v) = Ke · map_Ke(u, v).
+//! What it says at a place multiplies what the material says: ρ(u, v) = Kd · map_Kd(u, v), Lₑ(u, v) = Ke ·
+//! map_Ke(u, v).
 
 use std::sync::Arc;
 
@@ -10,7 +11,8 @@ use super::degenerate::count;
 use super::pixels::{Beyond, Pixels};
 use super::{Face, FaceState, Material, Scene};
 
-/// A picture, and how it is laid on texture coordinates: u runs to the right and v up, and from 0 to 1 they cross the picture once.
+/// A picture, and how it is laid on texture coordinates: u runs to the right and v up, and from 0 to 1 they
+/// cross the picture once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// The picture, in linear light.
@@ -68,13 +70,14 @@ impl Textures {
 #[derive(Clone, Copy, Debug)]
 pub struct FaceTexture<'s> {
     pub(super) texture: &'s Texture,
-    /// Texture coordinates of the face's corners; the whole picture's mean acts everywhere where there are none.
+    /// Texture coordinates of the face's corners; the whole picture's mean acts everywhere where there are
+    /// none.
     pub(super) corners: Option<[DVec2; 3]>,
 }
 
 impl FaceTexture<'_> {
-    /// What it says at a point of the face, given by the weights of its second and third corner: factors for red, green and blue, of which a
-    /// single channel takes the first.
+    /// What it says at a point of the face, given by the weights of its second and third corner: factors for
+    /// red, green and blue, of which a single channel takes the first.
     #[inline]
     pub fn at(&self, point: [f64; 2]) -> [f64; 3] {
         match &self.corners {

@@ -1,13 +1,13 @@
 //! Amplification: how much larger than its residual an error can be.
 //!
-//! K ≥ 0, so ‖(I − K)⁻¹‖∞ = max w with w = (I − K)⁻¹1. From any ŵ with ‖1 − (I − K)ŵ‖∞ ≤ ε < 1 follows the guaranteed
-//! bound max w ≤ max ŵ / (1 − ε), so that a rough ŵ will do.
+//! K ≥ 0, so ‖(I − K)⁻¹‖∞ = max w with w = (I − K)⁻¹1. From any ŵ with ‖1 − (I − K)ŵ‖∞ ≤ ε < 1 follows the
+//! guaranteed bound max w ≤ max ŵ / (1 − ε), so that a rough ŵ will do.
 //!
-//! For linear elements K = R M⁻¹S has negative entries and none of this holds. There errors are measured by √(∫ L² dA): with
-//! the symmetric form, (I − K)⁻¹r = r + R (I − R S R)⁻¹ R S r, so that an error is at most 1 + ρ_max/(1 − λ) times its residual, with λ
-//! the largest eigenvalue of R S R and ‖M^(−½) S M^(−½)‖ = 1. λ is found by Lanczos' method, from below: the bound is an
-//! *estimate*. With sheets it is 1 + |λ|_max(P)/(1 − λ): a quasi-definite matrix has no eigenvalue nearer to 0 than its two definite
-//! blocks have.
+//! For linear elements K = R M⁻¹S has negative entries and none of this holds. There errors are measured by
+//! √(∫ L² dA): with the symmetric form, (I − K)⁻¹r = r + R (I − R S R)⁻¹ R S r, so that an error is at most
+//! 1 + ρ_max/(1 − λ) times its residual, with λ the largest eigenvalue of R S R and ‖M^(−½) S M^(−½)‖ = 1. λ is
+//! found by Lanczos' method, from below: the bound is an *estimate*. With sheets it is 1 + |λ|_max(P)/(1 −
+//! λ): a quasi-definite matrix has no eigenvalue nearer to 0 than its two definite blocks have.
 
 use nalgebra::DMatrix;
 
@@ -28,8 +28,8 @@ pub enum Certainty {
     Estimated,
 }
 
-/// Upper bounds on ‖(I − K)⁻¹‖ and the condition number, per channel: *guaranteed* in ‖·‖∞ for constant elements, *estimated* in
-/// √(∫ L² dA) for linear ones.
+/// Upper bounds on ‖(I − K)⁻¹‖ and the condition number, per channel: *guaranteed* in ‖·‖∞ for constant
+/// elements, *estimated* in √(∫ L² dA) for linear ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Amplification {
     inverse_norm: Vec<f64>,

@@ -1,8 +1,8 @@
 //! Conjugate gradients on the symmetric form of the radiosity equation (Hestenes & Stiefel 1952).
 //!
-//! With R = √ρ M^(−½), y = R S L solves (I − R S R) y = R S E, which is symmetric positive definite; then
-//! L = E + R y. All channels go through the matrix in one pass. Sheets that let through more than they reflect make the form indefinite; there
-//! MINRES takes its place, under the same options.
+//! With R = √ρ M^(−½), y = R S L solves (I − R S R) y = R S E, which is symmetric positive definite; then L =
+//! E + R y. All channels go through the matrix in one pass. Sheets that let through more than they reflect
+//! make the form indefinite; there MINRES takes its place, under the same options.
 
 use std::f64::consts::PI;
 

@@ -1,9 +1,10 @@
 //! The direct solver: Cholesky factors of the symmetric form.
 //!
-//! With R = √ρ M^(−½), the matrix I − R S R is symmetric positive definite, has a unit scale whatever the patch areas, and
-//! does not mind ρ = 0. Where sheets let through more than they reflect it is J − RᵀSR, quasi-definite, with factors L D Lᵀ in the place of
-//! Cholesky's. It is factored once per distinct ρ; channels with the same reflectances share their factor,
-//! unless coloured carriers make their exchange areas differ.
+//! With R = √ρ M^(−½), the matrix I − R S R is symmetric positive definite, has a unit scale whatever the
+//! patch areas, and does not mind ρ = 0. Where sheets let through more than they reflect it is J − RᵀSR,
+//! quasi-definite, with factors L D Lᵀ in the place of Cholesky's. It is factored once per distinct ρ;
+//! channels with the same reflectances share their factor, unless coloured carriers make their exchange areas
+//! differ.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::{ldlt, llt};
@@ -54,7 +55,8 @@ enum Factor {
     Signed(DMatrix<f64>),
 }
 
-/// How work is split inside a factorization. Fixed, so that the answer has the same bits on any number of threads.
+/// How work is split inside a factorization. Fixed, so that the answer has the same bits on any number of
+/// threads.
 fn split() -> Par {
     Par::rayon(8)
 }
@@ -106,7 +108,8 @@ impl Direct<'_> {
         Solution { radiance: e + answer.reflected, irradiance: answer.irradiance, report }
     }
 
-    /// The irradiance of L = E + K L, as exact as the factors are: neither refined nor judged, for answers that need not be.
+    /// The irradiance of L = E + K L, as exact as the factors are: neither refined nor judged, for answers
+    /// that need not be.
     ///
     /// # Panics
     /// If `e` is not N × c.
@@ -179,7 +182,8 @@ fn cholesky(mut matrix: DMatrix<f64>) -> Result<DMatrix<f64>, usize> {
     }
 }
 
-/// L and D of a quasi-definite matrix L D Lᵀ with D of these signs, or the row where it turns out to have others.
+/// L and D of a quasi-definite matrix L D Lᵀ with D of these signs, or the row where it turns out to have
+/// others.
 fn signed(mut matrix: DMatrix<f64>, signs: &[i8]) -> Result<DMatrix<f64>, usize> {
     let n = matrix.nrows();
     let scratch = ldlt::factor::cholesky_in_place_scratch::<f64>(n, split(), Default::default());

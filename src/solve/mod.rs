@@ -6,7 +6,8 @@
 //! | [`conjugate_gradients`] | conjugate gradients on the same form, MINRES where sheets make it indefinite | any size |
 //! | [`neumann()`] | E + KE + K²E + …, a bounce of light each | to see how light builds up |
 //!
-//! Each takes the operator and the right-hand side E (N × c, a row per coefficient) and answers a [`Solution`] that carries its own [`Report`].
+//! Each takes the operator and the right-hand side E (N × c, a row per coefficient) and answers a
+//! [`Solution`] that carries its own [`Report`].
 //!
 //! # Tolerance
 //!
@@ -52,15 +53,16 @@ use crate::transport::{Sources, Transport, readable};
 pub struct Solution {
     /// Radiance L, N × c, W·sr⁻¹·m⁻². Row by row Lₑ + ρH/π, and on sheets τ/π times H of the other side more.
     pub radiance: DMatrix<f64>,
-    /// Irradiance H, N × c, W·m⁻²; less that by lights without area where [`Solution::under`] has not added it.
+    /// Irradiance H, N × c, W·m⁻²; less that by lights without area where [`Solution::under`] has not added
+    /// it.
     pub irradiance: DMatrix<f64>,
     /// How it was found.
     pub report: Report,
 }
 
 impl Solution {
-    /// The solution under the lights of `sources` whose right-hand side was solved for: solvers find πFL, and lights without area
-    /// add H₀ to it.
+    /// The solution under the lights of `sources` whose right-hand side was solved for: solvers find πFL, and
+    /// lights without area add H₀ to it.
     ///
     /// # Panics
     /// If the sources are not of as many coefficients and channels.
@@ -93,7 +95,8 @@ impl std::fmt::Debug for Solution {
 /// What a solver says of its answer.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Report {
-    /// `direct`, `cg`, `minres` (conjugate gradients where sheets let through more than they reflect) or `neumann`.
+    /// `direct`, `cg`, `minres` (conjugate gradients where sheets let through more than they reflect) or
+    /// `neumann`.
     pub name: &'static str,
     /// Passes over the matrix; 0 for the direct solver.
     pub iterations: usize,
@@ -102,8 +105,8 @@ pub struct Report {
     /// The part of the flux that is still on its way: π Σ A |E − (I − K)L| / π Σ A E, the largest over
     /// channels.
     pub remaining_flux: f64,
-    /// Bound on the relative error ‖error‖ / ‖L‖ for this operator, the largest over channels. For constant elements the norm
-    /// is ‖·‖∞, for linear ones it is √(∫ L² dA).
+    /// Bound on the relative error ‖error‖ / ‖L‖ for this operator, the largest over channels. For constant
+    /// elements the norm is ‖·‖∞, for linear ones it is √(∫ L² dA).
     pub bound: f64,
     /// Bound on the condition number ‖I − K‖ ‖(I − K)⁻¹‖ in the same norm, the largest over channels.
     pub condition: f64,

@@ -36,7 +36,8 @@ impl Default for NeumannOptions<'_> {
 pub struct Bounce {
     /// k.
     pub order: usize,
-    /// Radiant flux that KᵏE adds, π Σ A KᵏE per channel, in units of W·m⁻² times the area unit of the operator.
+    /// Radiant flux that KᵏE adds, π Σ A KᵏE per channel, in units of W·m⁻² times the area unit of the
+    /// operator.
     pub flux: Vec<f64>,
     /// Relative residual of the sum up to here.
     pub residual: f64,
@@ -66,8 +67,8 @@ impl Series {
 /// reached; either is success, and [`Report::truncated`] tells which. With tolerance 0 it goes on to the
 /// highest order, unless nothing at all is left to add.
 ///
-/// The bound of order k is the smaller of q/(1−q)·‖L_k − L_{k−1}‖∞ with q = ‖K‖∞, and ‖r_k‖∞·max w ([`Amplification`]); for linear
-/// elements it is the estimate of the latter alone.
+/// The bound of order k is the smaller of q/(1−q)·‖L_k − L_{k−1}‖∞ with q = ‖K‖∞, and ‖r_k‖∞·max w
+/// ([`Amplification`]); for linear elements it is the estimate of the latter alone.
 ///
 /// # Errors
 /// `NotFinite` or `Cancelled`.
@@ -100,7 +101,8 @@ pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Res
         bounces.push(Bounce { order, flux: flux(&added), residual, remaining_flux, bound });
         let step = answer.step();
         let excess = rule.excess_of(&answer, &step, step_before.as_ref());
-        // The irradiance of order 0 is zero by definition; whoever asks for a tolerance wants to see what arrives.
+        // The irradiance of order 0 is zero by definition; whoever asks for a tolerance wants to see what
+        // arrives.
         let is_enough = if options.tolerance > 0.0 { excess <= 1.0 } else { answer.residual.amax() == 0.0 };
         if (is_enough && order > 0) || order >= options.order {
             report.truncated = excess > 1.0;

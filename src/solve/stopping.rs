@@ -139,9 +139,9 @@ fn amplify(a: f64, b: f64) -> f64 {
 ///   of H, so that no patch is off by more than t of H_rms, nor by more than 10 t of its own irradiance, or
 ///   of H_rms/1000 where it has less.
 ///
-/// The series knows more: where no patch's step is more than q < 1 times its step before, all later ones come to less than s q/(1 − q), patch by
-/// patch, since light only adds (Collatz 1942). Then s/(1 − q) may take the place of the second bound: ≤ t · min(H_rms, 10 max(H, 10⁻³ H_rms)) on
-/// every patch.
+/// The series knows more: where no patch's step is more than q < 1 times its step before, all later ones come
+/// to less than s q/(1 − q), patch by patch, since light only adds (Collatz 1942). Then s/(1 − q) may take
+/// the place of the second bound: ≤ t · min(H_rms, 10 max(H, 10⁻³ H_rms)) on every patch.
 ///
 /// What rounding alone leaves is good enough, too: ‖s‖∞ ≤ 10⁻¹⁴ ‖H‖∞.
 pub(super) struct Rule<'a> {
@@ -187,7 +187,8 @@ impl<'a> Rule<'a> {
         (0..self.flux.len()).map(of).fold(0.0, f64::max)
     }
 
-    /// How many times too much is missing by what two steps, one after the other, say of all that follow; infinite where they do not shrink.
+    /// How many times too much is missing by what two steps, one after the other, say of all that follow;
+    /// infinite where they do not shrink.
     fn excess_by_steps(&self, irradiance: DVectorView<f64>, [before, step]: [DVectorView<f64>; 2]) -> f64 {
         let ratio = |(step, before): (&f64, &f64)| if *step > 0.0 { step / before } else { 0.0 };
         let shrinks_by = step.iter().zip(&before).map(ratio).fold(0.0, f64::max);

@@ -1,17 +1,19 @@
 //! The symmetric form of the radiosity equation.
 //!
-//! With R = √ρ M^(−½), which is symmetric and works on each patch by itself, y = R S L solves (I − R S R) y = R S E; then
-//! L = E + R y. The matrix is symmetric, unit-scaled whatever the areas, indifferent to ρ = 0, and positive definite. For constant
-//! elements R is a diagonal, √(ρ/A).
+//! With R = √ρ M^(−½), which is symmetric and works on each patch by itself, y = R S L solves (I − R S R) y =
+//! R S E; then L = E + R y. The matrix is symmetric, unit-scaled whatever the areas, indifferent to ρ = 0,
+//! and positive definite. For constant elements R is a diagonal, √(ρ/A).
 //!
-//! On the two sides of a sheet, which have one mass, ρ becomes the block P = (ρ_front τ; τ ρ_back). With its eigenvalues in P = V Λ Vᵀ, the signs J
-//! of these and R = V |Λ|^½ M^(−½), R J Rᵀ is P M⁻¹, and y = J Rᵀ S L solves
+//! On the two sides of a sheet, which have one mass, ρ becomes the block P = (ρ_front τ; τ ρ_back). With its
+//! eigenvalues in P = V Λ Vᵀ, the signs J of these and R = V |Λ|^½ M^(−½), R J Rᵀ is P M⁻¹, and y = J Rᵀ S L
+//! solves
 //!
 //! (J − Rᵀ S R) y = Rᵀ S E; then L = E + R y.
 //!
-//! All |λ| ≤ 1, as rows of P sum to no more, and the eigenvalues of M^(−½) S M^(−½) lie between −1 and 1. So the matrix is positive definite on the
-//! unknowns of J = 1 and negative definite on those of J = −1, which are there where τ² > ρ_front ρ_back: *quasi-definite*, with
-//! factors L D Lᵀ in any order of the unknowns (Vanderbei 1995). Where no λ is negative, J = I and all is as without sheets.
+//! All |λ| ≤ 1, as rows of P sum to no more, and the eigenvalues of M^(−½) S M^(−½) lie between −1 and 1. So
+//! the matrix is positive definite on the unknowns of J = 1 and negative definite on those of J = −1, which
+//! are there where τ² > ρ_front ρ_back: *quasi-definite*, with factors L D Lᵀ in any order of the unknowns
+//! (Vanderbei 1995). Where no λ is negative, J = I and all is as without sheets.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;

@@ -1,7 +1,8 @@
 //! Turns: the eigenvectors of what sheets do, a rotation for each pair of coefficients.
 //!
-//! (ρ_front τ; τ ρ_back) = V Λ Vᵀ with V = (c −s; s c). The larger eigenvalue stands in the place of the front and the lesser in that of the back:
-//! λ = m ± r with m = (ρ_front + ρ_back)/2, d = (ρ_front − ρ_back)/2 and r = √(d² + τ²); (c, s) is (r + d, τ) or (τ, r − d), normalised.
+//! (ρ_front τ; τ ρ_back) = V Λ Vᵀ with V = (c −s; s c). The larger eigenvalue stands in the place of the
+//! front and the lesser in that of the back: λ = m ± r with m = (ρ_front + ρ_back)/2, d = (ρ_front −
+//! ρ_back)/2 and r = √(d² + τ²); (c, s) is (r + d, τ) or (τ, r − d), normalised.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -114,7 +115,8 @@ fn diagonalised([a, b]: [f64; 2], tau: f64) -> ([f64; 2], [f64; 2]) {
         return ([1.0, 0.0], [a, b]);
     }
     let larger = middle + radius;
-    // Of two forms for the eigenvector the one that adds takes no digits away; so it is with the lesser eigenvalue.
+    // Of two forms for the eigenvector the one that adds takes no digits away; so it is with the lesser
+    // eigenvalue.
     let (x, y) = if half >= 0.0 { (radius + half, tau) } else { (tau, radius - half) };
     let length = x.hypot(y);
     ([x / length, y / length], [larger, (a * b - tau * tau) / larger])

@@ -1,8 +1,8 @@
 //! Bounding volume hierarchy: which triangles a ray may meet.
 //!
-//! `obvhs` builds a binary tree (PLOC with reinsertion, Meister & Bittner 2018); it is folded here into nodes of
-//! four children whose boxes are tested at once. Boxes are f32, widened by [`PAD`] so that no rounding of the
-//! box test can lose a triangle; triangles are f64 and decide.
+//! `obvhs` builds a binary tree (PLOC with reinsertion, Meister & Bittner 2018); it is folded here into nodes
+//! of four children whose boxes are tested at once. Boxes are f32, widened by [`PAD`] so that no rounding of
+//! the box test can lose a triangle; triangles are f64 and decide.
 
 use glam::{DVec3, Vec3, Vec3A, Vec4};
 use obvhs::aabb::Aabb;

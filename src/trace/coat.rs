@@ -1,19 +1,23 @@
 //! Coat: what the clear layer over a diffuse base, such as that of plastic, keeps from it.
 //!
-//! It has the facets of rough conductors and reflects by Fresnel's formulas F, at once and white. With μ = cos θ its lobe is
+//! It has the facets of rough conductors and reflects by Fresnel's formulas F, at once and white. With μ =
+//! cos θ its lobe is
 //!
 //! f₁(o, i) = F D(h) G₂(o, i) / (4 μₒ μᵢ),
 //!
-//! the part E(μₒ) of what comes from direction o. All the rest gets under it, and what the base sends out gets away in the same measure (after
-//! Ashikhmin & Shirley 2000, eq. 5; Kelemen & Szirmay-Kalos 2001, eq. 8):
+//! the part E(μₒ) of what comes from direction o. All the rest gets under it, and what the base sends out
+//! gets away in the same measure (after Ashikhmin & Shirley 2000, eq. 5; Kelemen & Szirmay-Kalos 2001, eq.
+//! 8):
 //!
 //! f₂(o, i) = ρ (1 − E(μₒ)) (1 − E(μᵢ)) / (π (1 − Ē)),  Ē = 2 ∫ E μ dμ.
 //!
-//! Both are the same from i to o as from o to i, and a base of ρ = 1 sends back all that is not reflected: nothing is lost.
+//! Both are the same from i to o as from o to i, and a base of ρ = 1 sends back all that is not reflected:
+//! nothing is lost.
 //!
-//! *Under the coat* the base has one radiance b; towards direction o it sends b (1 − E(μₒ)), the flux π A (1 − Ē) b in all. So light is exchanged
-//! as between bare surfaces, with A (1 − Ē) in the place of A, by rays whose directions have density (1 − E) μ / (π (1 − Ē)) and of which
-//! those that arrive from o land with probability 1 − E(μₒ).
+//! *Under the coat* the base has one radiance b; towards direction o it sends b (1 − E(μₒ)), the flux π A (1
+//! − Ē) b in all. So light is exchanged as between bare surfaces, with A (1 − Ē) in the place of A, by rays
+//! whose directions have density (1 − E) μ / (π (1 − Ē)) and of which those that arrive from o land with
+//! probability 1 − E(μₒ).
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -25,7 +29,8 @@ use super::scatter::fresnel;
 /// Steps of either random number over which E is integrated.
 const STEPS: usize = 48;
 
-/// The clear layer over a diffuse base. Directions are unit vectors in a frame whose z is the normal, and point away from the surface.
+/// The clear layer over a diffuse base. Directions are unit vectors in a frame whose z is the normal, and
+/// point away from the surface.
 #[derive(Debug)]
 pub struct Coat {
     alpha: f64,
@@ -44,7 +49,8 @@ impl Coat {
         Self { alpha, index, white: vec![1.0; channels], albedo }
     }
 
-    /// 1 − E(μ), the part of light from this angle that gets under it; and the part of the base's radiance that leaves by this angle.
+    /// 1 − E(μ), the part of light from this angle that gets under it; and the part of the base's radiance
+    /// that leaves by this angle.
     #[inline]
     pub fn passed(&self, cosine: f64) -> f64 {
         1.0 - self.albedo.at(cosine)
@@ -77,8 +83,8 @@ impl Coat {
         cosine.max(0.0) * FRAC_1_PI * self.weight(cosine)
     }
 
-    /// A direction in which light from `o` is reflected, by a facet drawn among those that `o` sees; and the part that is, F G₂/G₁, E(μₒ) on
-    /// average.
+    /// A direction in which light from `o` is reflected, by a facet drawn among those that `o` sees; and the
+    /// part that is, F G₂/G₁, E(μₒ) on average.
     #[inline]
     pub(super) fn reflect(&self, o: DVec3, square: [f64; 2]) -> (DVec3, f64) {
         let h = visible_facet(self.alpha, o, square);

@@ -1,8 +1,10 @@
-//! Convex: whether a scene is empty and convex seen from inside, so that everything in front of a face is seen from it.
+//! Convex: whether a scene is empty and convex seen from inside, so that everything in front of a face is
+//! seen from it.
 //!
-//! If all corners lie in front of the plane of every face, all faces lie on the hull of them, and no straight line between two fronts
-//! meets a third face. From a point inside the faces then fill no more than the whole sphere of directions, and all of it where they
-//! leave no gap; faces that overlap would be counted twice and rule it out.
+//! If all corners lie in front of the plane of every face, all faces lie on the hull of them, and no straight
+//! line between two fronts meets a third face. From a point inside the faces then fill no more than the whole
+//! sphere of directions, and all of it where they leave no gap; faces that overlap would be counted twice and
+//! rule it out.
 
 use std::f64::consts::PI;
 

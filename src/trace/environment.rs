@@ -1,7 +1,8 @@
 //! Environment sampler: directions in which a picture around the scene is bright, beside their density.
 //!
-//! A row of texels is drawn by its luminance times its solid angle, then a texel of the row, then a direction evenly within the texel. A texel's
-//! luminance is the mean over it of what is interpolated between it and its neighbours, so that no direction that shines is left out.
+//! A row of texels is drawn by its luminance times its solid angle, then a texel of the row, then a direction
+//! evenly within the texel. A texel's luminance is the mean over it of what is interpolated between it and
+//! its neighbours, so that no direction that shines is left out.
 
 use std::f64::consts::TAU;
 
@@ -27,7 +28,8 @@ impl EnvironmentSampler {
         let [width, height] = pixels.size();
         let bright: Vec<f64> = pixels.texels().iter().map(|t| luminance(&t.map(f64::from))).collect();
         let mean = |i: usize, j: usize| {
-            // The interpolated picture's mean over a texel: 1, 6, 1 eighths of it and its neighbours, each way.
+            // The interpolated picture's mean over a texel: 1, 6, 1 eighths of it and its neighbours, each
+            // way.
             let beside = [(i + width - 1) % width, i, (i + 1) % width];
             let above = [j.saturating_sub(1), j, (j + 1).min(height - 1)];
             let row = |j: usize| {

@@ -1,19 +1,20 @@
-//! Facing: which surfaces can send light to each other, by the heights of their corners over each other's planes.
+//! Facing: which surfaces can send light to each other, by the heights of their corners over each other's
+//! planes.
 //!
-//! A point in the plane of a surface neither sends it light nor receives any from it. On which side of the plane rounding puts the
-//! point must not matter, so a height counts only above a threshold.
+//! A point in the plane of a surface neither sends it light nor receives any from it. On which side of the
+//! plane rounding puts the point must not matter, so a height counts only above a threshold.
 
 use glam::DVec3;
 
 /// Points no higher than this over a plane lie in it or behind it, normalised lengths.
 ///
-/// Coordinates of at most 1 are rounded to 10⁻¹⁶, and so are heights near the face that defines the plane. Far away from a small face
-/// they are off by 10⁻¹⁶ · distance / size of the face, which is 10⁻¹² at 10⁴ times its size. Real gaps of this height are narrower
-/// than those that files can express.
+/// Coordinates of at most 1 are rounded to 10⁻¹⁶, and so are heights near the face that defines the plane.
+/// Far away from a small face they are off by 10⁻¹⁶ · distance / size of the face, which is 10⁻¹² at 10⁴
+/// times its size. Real gaps of this height are narrower than those that files can express.
 pub const IN_PLANE: f64 = 1e-12;
 
-/// Whether two flat surfaces, each given by its corners (or its one point) and the unit normal of the side in question, can send light
-/// to each other: some corner of either lies in front of the other's plane.
+/// Whether two flat surfaces, each given by its corners (or its one point) and the unit normal of the side in
+/// question, can send light to each other: some corner of either lies in front of the other's plane.
 #[inline]
 pub fn can_face((here, normal): (&[DVec3], DVec3), (there, other): (&[DVec3], DVec3)) -> bool {
     rises_over(there, here[0], normal) && rises_over(here, there[0], other)

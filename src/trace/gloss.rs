@@ -1,20 +1,23 @@
 //! Gloss: what a rough conductor reflects, by facets too small to see.
 //!
-//! The normals h of its facets have the GGX distribution D (Walter et al. 2007, eq. 33), and facets hide each other by Smith's
-//! height-correlated masking G₂ (Heitz 2014, eq. 99). Of what comes from direction o, with μ = cos θ, one reflection sends on
+//! The normals h of its facets have the GGX distribution D (Walter et al. 2007, eq. 33), and facets hide each
+//! other by Smith's height-correlated masking G₂ (Heitz 2014, eq. 99). Of what comes from direction o, with μ
+//! = cos θ, one reflection sends on
 //!
 //! f₁(o, i) = F D(h) G₂(o, i) / (4 μₒ μᵢ).
 //!
-//! For F = 1 that is the part E(μₒ) of all; the rest meets further facets. It leaves by a lobe of its own (Kulla & Conty 2017),
+//! For F = 1 that is the part E(μₒ) of all; the rest meets further facets. It leaves by a lobe of its own
+//! (Kulla & Conty 2017),
 //!
 //! f₂(o, i) = F₂ (1 − E(μₒ)) (1 − E(μᵢ)) / (π (1 − Ē)),  Ē = 2 ∫ E μ dμ,
 //!
-//! so that a white conductor reflects all there is, and both are the same from i to o as from o to i. F is Schlick's (1994); with its mean F̄ over
-//! the hemisphere F₂ = F̄² Ē / (1 − F̄ (1 − Ē)).
+//! so that a white conductor reflects all there is, and both are the same from i to o as from o to i. F is
+//! Schlick's (1994); with its mean F̄ over the hemisphere F₂ = F̄² Ē / (1 − F̄ (1 − Ē)).
 //!
-//! *Sampling.* A facet is drawn among those that o sees. With probability G₂/G₁ the ray gets away from it: that happens in the part E(μₒ)
-//! of all cases, so that what remains is just what f₂ is to have, whose direction is drawn by itself. The directions of a white conductor
-//! have density (f₁ + f₂) μᵢ, and its rays keep all their weight.
+//! *Sampling.* A facet is drawn among those that o sees. With probability G₂/G₁ the ray gets away from it:
+//! that happens in the part E(μₒ) of all cases, so that what remains is just what f₂ is to have, whose
+//! direction is drawn by itself. The directions of a white conductor have density (f₁ + f₂) μᵢ, and its rays
+//! keep all their weight.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
@@ -31,7 +34,8 @@ const STRETCHES: usize = 64;
 /// Steps of either random number over which E is integrated.
 const STEPS: usize = 96;
 
-/// What a rough conductor does with light. Directions are unit vectors in a frame whose z is the normal, and point away from the surface.
+/// What a rough conductor does with light. Directions are unit vectors in a frame whose z is the normal, and
+/// point away from the surface.
 #[derive(Debug)]
 pub(super) struct Gloss<'s> {
     alpha: f64,
@@ -58,7 +62,8 @@ impl<'s> Gloss<'s> {
         Self { alpha, reflectance, further: reflectance.iter().map(further).collect(), albedo }
     }
 
-    /// Where a ray goes on that came from `o`, with density [`Gloss::density`]. `more` gives further random numbers where these do not suffice.
+    /// Where a ray goes on that came from `o`, with density [`Gloss::density`]. `more` gives further random
+    /// numbers where these do not suffice.
     pub fn sample<'t>(
         &'t self,
         o: DVec3,
@@ -83,7 +88,8 @@ impl<'s> Gloss<'s> {
         self.parts(o, i).iter().map(|(density, _)| density).sum()
     }
 
-    /// What goes from `o` to `i`: the densities f₁ μᵢ and f₂ μᵢ of the white conductor, and the part of each that goes on.
+    /// What goes from `o` to `i`: the densities f₁ μᵢ and f₂ μᵢ of the white conductor, and the part of each
+    /// that goes on.
     pub fn parts<'t>(&'t self, o: DVec3, i: DVec3) -> [(f64, Tint<'t>); 2] {
         let h = (o + i).normalize_or(DVec3::Z);
         let once = if o.z > 0.0 && i.z > 0.0 {
@@ -153,7 +159,8 @@ fn single_albedo(alpha: f64, cosine: f64) -> f64 {
     let mut sum = 0.0;
     for s in 0..STEPS {
         for t in 0..STEPS {
-            // One half of the facets mirrors the other; steep ones, for which v is near 1, are few but hold light back most.
+            // One half of the facets mirrors the other; steep ones, for which v is near 1, are few but hold
+            // light back most.
             let u = 0.5 * (s as f64 + 0.5) / STEPS as f64;
             let left = 1.0 - (t as f64 + 0.5) / STEPS as f64;
             let h = visible_facet(alpha, o, [u, 1.0 - left.powi(3)]);
@@ -205,7 +212,8 @@ impl Albedo {
         (node(k) + length * x).sqrt()
     }
 
-    /// Density per unit solid angle of the directions that [`Albedo::sample_rest`] belongs to: (1 − E) μ / (π (1 − Ē)).
+    /// Density per unit solid angle of the directions that [`Albedo::sample_rest`] belongs to: (1 − E) μ / (π
+    /// (1 − Ē)).
     fn rest_pdf(&self, cosine: f64) -> f64 {
         let all = self.rest[STRETCHES];
         if cosine > 0.0 && all > 0.0 { (1.0 - self.at(cosine)) * cosine / (PI * all) } else { 0.0 }
@@ -229,7 +237,8 @@ mod tests {
         DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine)
     }
 
-    /// ∫ f(h) dω over the hemisphere, by the midpoint rule over θ and φ, the former close where α has its peak.
+    /// ∫ f(h) dω over the hemisphere, by the midpoint rule over θ and φ, the former close where α has its
+    /// peak.
     fn integrate(alpha: f64, f: impl Fn(DVec3) -> f64) -> f64 {
         const N: usize = 250;
         let mut sum = 0.0;
@@ -318,7 +327,8 @@ mod tests {
 
     #[test]
     fn further_facets_take_the_more_the_darker_a_conductor_is() {
-        // Against reflections one by one: facets reflect F̄ each time, and of what they reflect the part Ē gets away.
+        // Against reflections one by one: facets reflect F̄ each time, and of what they reflect the part Ē
+        // gets away.
         for f in [0.2, 0.5, 0.95] {
             let gloss = Gloss::new(1.0, std::slice::from_ref(&f));
             let mean = f + (1.0 - f) / 21.0;

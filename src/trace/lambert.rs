@@ -1,4 +1,5 @@
-//! Unoccluded form factors: what two surfaces exchange where nothing stands in between, by Lambert's formula (1760).
+//! Unoccluded form factors: what two surfaces exchange where nothing stands in between, by Lambert's formula
+//! (1760).
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -9,7 +10,8 @@ use super::facing::can_face;
 use super::sampling::{TRIANGLE_RULE_3, TRIANGLE_RULE_7};
 use crate::scene::distance_to;
 
-/// Parts whose radius is less than this part of their distance need few points: then they are off by less than 10⁻⁴ (the tests measure it).
+/// Parts whose radius is less than this part of their distance need few points: then they are off by less
+/// than 10⁻⁴ (the tests measure it).
 const SMALL: f64 = 1.0 / 16.0;
 
 /// Parts whose radius is more than this part of their distance are split in four...
@@ -18,8 +20,9 @@ const LARGE: f64 = 0.25;
 /// ...at most so often: parts that touch the other surface would be split for ever.
 const SPLITS: u32 = 5;
 
-/// Form factor from a point with a normal to the front of a triangle, where nothing stands in between: Lambert's formula
-/// (1760), (1/2π) Σ θ_k n·Γ_k over the edges of what is above the horizon. 0 where the triangle can't be faced, see [`can_face`].
+/// Form factor from a point with a normal to the front of a triangle, where nothing stands in between:
+/// Lambert's formula (1760), (1/2π) Σ θ_k n·Γ_k over the edges of what is above the horizon. 0 where the
+/// triangle can't be faced, see [`can_face`].
 pub fn form_factor_to_triangle(point: DVec3, normal: DVec3, corners: &[DVec3; 3]) -> f64 {
     let [a, b, c] = corners.map(|corner| corner - point);
     let across = (b - a).cross(c - a);
@@ -40,11 +43,12 @@ pub fn form_factor_to_triangle(point: DVec3, normal: DVec3, corners: &[DVec3; 3]
     (-(0..count).map(edge).sum::<f64>() * 0.5 * FRAC_1_PI).max(0.0)
 }
 
-/// Form factor from one side of a triangle to one side of another, on average over the first, where nothing stands in between: corners, in either
-/// order, and unit normals of the sides, normalised.
+/// Form factor from one side of a triangle to one side of another, on average over the first, where nothing
+/// stands in between: corners, in either order, and unit normals of the sides, normalised.
 ///
-/// Lambert's formula is exact for points. It is averaged over the smaller of the two, by reciprocity: from there the other looks much the same
-/// everywhere. Of the smaller one what is not in front of the other's plane is cut off, and what is near is split.
+/// Lambert's formula is exact for points. It is averaged over the smaller of the two, by reciprocity: from
+/// there the other looks much the same everywhere. Of the smaller one what is not in front of the other's
+/// plane is cut off, and what is near is split.
 pub fn form_factor_between(here: (&[DVec3; 3], DVec3), there: (&[DVec3; 3], DVec3)) -> f64 {
     if !can_face((here.0, here.1), (there.0, there.1)) {
         return 0.0;
@@ -63,7 +67,8 @@ fn wound_around(normal: DVec3, [a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
     if (b - a).cross(c - a).dot(normal) < 0.0 { [a, c, b] } else { [a, b, c] }
 }
 
-/// The part of a triangle in front of the plane through a point with a unit normal, and its number of corners.
+/// The part of a triangle in front of the plane through a point with a unit normal, and its number of
+/// corners.
 #[inline]
 fn in_front(corners: &[DVec3; 3], plane: DVec3, normal: DVec3) -> ([DVec3; 4], usize) {
     let mut kept = [DVec3::ZERO; 4];
@@ -102,8 +107,8 @@ fn flux_between(part: [DVec3; 3], normal: DVec3, large: &[DVec3; 3], splits: u32
     0.5 * (b - a).cross(c - a).length() * rule.iter().map(from).sum::<f64>()
 }
 
-/// cos θ cos θ′ / (π r²) between two points with their normals: the form factor per unit of area there; 0 where they can't face each
-/// other, see [`can_face`].
+/// cos θ cos θ′ / (π r²) between two points with their normals: the form factor per unit of area there; 0
+/// where they can't face each other, see [`can_face`].
 #[inline]
 pub fn geometry_term((p, normal): (DVec3, DVec3), (q, other): (DVec3, DVec3)) -> f64 {
     let between = q - p;

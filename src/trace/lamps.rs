@@ -1,7 +1,8 @@
 //! Lamps: where to look for light, seen from a given place.
 //!
-//! Points are drawn on the brightest emitting faces, each face chosen by what it would contribute if nothing stood in
-//! between, and the point uniform on it. What they would contribute in all is known exactly, by Lambert's formula.
+//! Points are drawn on the brightest emitting faces, each face chosen by what it would contribute if nothing
+//! stood in between, and the point uniform on it. What they would contribute in all is known exactly, by
+//! Lambert's formula.
 
 use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -18,7 +19,8 @@ const POWER_SHARE: f64 = 0.95;
 /// ...unless they cover more than this share of all surfaces: then rays find them well enough.
 const MOST_AREA: f64 = 0.25;
 
-/// With more lamp faces than this, what those would contribute that are not near is estimated and not integrated...
+/// With more lamp faces than this, what those would contribute that are not near is estimated and not
+/// integrated...
 const MOST_EXACT: usize = 256;
 
 /// ...and with more than this, chances go by power alone.
@@ -52,9 +54,11 @@ struct LampFace {
 /// The lamps as a small surface sees them.
 #[derive(Clone, Debug, Default)]
 pub struct LampView {
-    /// How likely each lamp is to be drawn: cumulative, ending with 1; all zero where no lamp is above the horizon.
+    /// How likely each lamp is to be drawn: cumulative, ending with 1; all zero where no lamp is above the
+    /// horizon.
     chances: Arc<[f64]>,
-    /// What lamps would contribute if nothing stood in between: Σ F·Lₑ over lamps with brightness Lₑ; where it is known.
+    /// What lamps would contribute if nothing stood in between: Σ F·Lₑ over lamps with brightness Lₑ; where
+    /// it is known.
     pub unoccluded: Option<f64>,
 }
 
@@ -213,7 +217,8 @@ impl Lamps {
         })
     }
 
-    /// Density with which [`Lamps::sample`] draws a point of a face, per unit of normalised area; 0 if the face is no lamp.
+    /// Density with which [`Lamps::sample`] draws a point of a face, per unit of normalised area; 0 if the
+    /// face is no lamp.
     #[inline]
     pub fn pdf(&self, LampView { chances: cumulative, .. }: &LampView, face: usize) -> f64 {
         match self.lamp_of_face[face] {
@@ -253,7 +258,8 @@ fn area(tracer: &Tracer, face: u32) -> f64 {
 impl LampFace {
     /// What the face may contribute at a point with a normal, roughly, and more rather than less.
     fn estimate(&self, point: DVec3, normal: DVec3) -> f64 {
-        // A surface's parts see a little below its centre's horizon, and a lamp's parts see a little beside it.
+        // A surface's parts see a little below its centre's horizon, and a lamp's parts see a little beside
+        // it.
         const MARGIN: f64 = 0.05;
         let [a, b, c] = self.corners;
         let looks = [a, b, c, (a + b + c) / 3.0].map(|q| {

@@ -1,13 +1,14 @@
 //! Layers: the order of faces that lie on each other in one plane.
 //!
-//! Two faces coincide where they overlap in a plane and rounding alone would decide which of them a ray meets. Each then gets its place in
-//! the order of that plane, known from geometry and numbers:
+//! Two faces coincide where they overlap in a plane and rounding alone would decide which of them a ray
+//! meets. Each then gets its place in the order of that plane, known from geometry and numbers:
 //!
-//! - Of faces whose fronts point the same way, the one of the smaller coplanar surface is on top, as a rug on a floor or a luminaire on
-//!   a ceiling; of equally large surfaces the first in file order.
+//! - Of faces whose fronts point the same way, the one of the smaller coplanar surface is on top, as a rug on
+//!   a floor or a luminaire on a ceiling; of equally large surfaces the first in file order.
 //! - Faces whose fronts point in opposite directions lie back to back: only their outer sides act.
-//! - A face that transmits light (glass, thin glass, translucent sheets) covers no opaque face, and an opaque one covers both of its sides.
-//!   Of two that transmit light, the one that is on top covers both sides of the other.
+//! - A face that transmits light (glass, thin glass, translucent sheets) covers no opaque face, and an opaque
+//!   one covers both of its sides. Of two that transmit light, the one that is on top covers both sides of
+//!   the other.
 //!
 //! What is covered is met by no ray, sends out none, and belongs to no patch.
 
@@ -28,13 +29,15 @@ const FLAT: f64 = 1e-6;
 /// The largest slope between two faces of one plane.
 const SLOPE: f64 = 1e-3;
 
-/// Surfaces whose distance is at least this everywhere, on one side, are apart: geometry says which is on top. Normalised lengths.
+/// Surfaces whose distance is at least this everywhere, on one side, are apart: geometry says which is on
+/// top. Normalised lengths.
 const GAP: f64 = 1e-12;
 
 /// An overlap narrower than this share of the thinner face is rounding at a common edge...
 const NARROW_SHARE: f64 = 1e-3;
 
-/// ...but none is that is wider than the first, and all are that are narrower than the second. Normalised lengths.
+/// ...but none is that is wider than the first, and all are that are narrower than the second. Normalised
+/// lengths.
 const NARROW: [f64; 2] = [1e-6, 1e-9];
 
 /// Surfaces whose areas differ by less than this share are equally large.
@@ -49,7 +52,8 @@ const RIM: f64 = 1e-12;
 /// By how much boxes are widened before they are rounded to f32, normalised lengths.
 const PAD: f64 = 4.0 * FLAT;
 
-/// The most covers that are looked through at one point; the order of a plane has no circles, so that this only guards against damage.
+/// The most covers that are looked through at one point; the order of a plane has no circles, so that this
+/// only guards against damage.
 const MOST_LAYERS: usize = 64;
 
 /// Two faces that coincide somewhere.
@@ -93,8 +97,8 @@ pub(super) struct Layers {
 const NONE: u32 = u32::MAX;
 
 impl Layers {
-    /// Finds the coinciding faces among those `kept`, with corners and unit normals in the normalised frame; `area_unit` is its unit of
-    /// area in m².
+    /// Finds the coinciding faces among those `kept`, with corners and unit normals in the normalised frame;
+    /// `area_unit` is its unit of area in m².
     pub fn new(
         scene: &Scene,
         (corners, normals): (&[[DVec3; 3]], &[DVec3]),
@@ -182,7 +186,8 @@ impl Tracer<'_> {
         self.layers.layer(face as u32).map_or(&[], |layer| &layer.covers[side as usize])
     }
 
-    /// The edges of the faces that cover some of a face, normalised frame, less those between faces that cover the same sides of it.
+    /// The edges of the faces that cover some of a face, normalised frame, less those between faces that
+    /// cover the same sides of it.
     pub fn outlines_of_covers(&self, face: usize) -> Vec<[DVec3; 2]> {
         let covers = Side::BOTH.map(|side| self.covers(face, side));
         let mut all: Vec<u32> = covers.concat();
@@ -230,7 +235,8 @@ impl Tracer<'_> {
         hit
     }
 
-    /// The barycentric weights of a face's second and third corner at a point of its plane; none outside of the face.
+    /// The barycentric weights of a face's second and third corner at a point of its plane; none outside of
+    /// the face.
     #[inline]
     fn weights_on(&self, face: u32, point: DVec3) -> Option<[f64; 2]> {
         let [a, b, c] = self.corners[face as usize];
@@ -276,7 +282,8 @@ impl Rank {
         }
     }
 
-    /// How deep a face lies among the covers of a side, where `facing` tells whether its front looks out of that side.
+    /// How deep a face lies among the covers of a side, where `facing` tells whether its front looks out of
+    /// that side.
     fn depth(self, facing: f64) -> (bool, bool, Self, std::cmp::Reverse<Self>) {
         // Fronts lie over backs; among fronts the lowest rank is outermost, among backs the highest.
         let neutral = Self { transmits: false, size_of_surface: 0, surface: 0, face: 0 };
@@ -332,8 +339,8 @@ fn box_around(corners: &[DVec3; 3]) -> Aabb {
     Aabb { min: round(a.min(b).min(c) - PAD), max: round(a.max(b).max(c) + PAD) }
 }
 
-/// Area of the overlap of two triangles in the plane of the first, and the lowest and highest point of the second over it there; none where
-/// they only touch or are not in one plane.
+/// Area of the overlap of two triangles in the plane of the first, and the lowest and highest point of the
+/// second over it there; none where they only touch or are not in one plane.
 fn overlap([first, second]: [&[DVec3; 3]; 2], normal: DVec3) -> Option<(f64, [f64; 2])> {
     // Clip the second triangle by the edges of the first, in the plane of the first.
     let [a, b, c] = *first;
@@ -401,7 +408,8 @@ struct Surfaces {
 
 impl Surfaces {
     fn new(corners: &[[DVec3; 3]], normals: &[DVec3], kept: &[u32]) -> Self {
-        // Join faces that point the same way and go on from one another at an edge, which neighbours run along in opposite directions.
+        // Join faces that point the same way and go on from one another at an edge, which neighbours run
+        // along in opposite directions.
         let mut edges: Vec<([[u64; 3]; 2], bool, u32)> = Vec::with_capacity(3 * kept.len());
         for &face in kept {
             let [a, b, c] = corners[face as usize];
@@ -474,7 +482,8 @@ impl Surfaces {
     }
 }
 
-/// A key that an edge has in common with its reverse and no other, and whether it runs the other way than the key.
+/// A key that an edge has in common with its reverse and no other, and whether it runs the other way than the
+/// key.
 fn edge_key(ends: [DVec3; 2]) -> ([[u64; 3]; 2], bool) {
     // Adding zero makes -0.0 and 0.0 the same corner.
     let [a, b] = ends.map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));

@@ -1,7 +1,7 @@
 //! Lights: lights without area and the sky, as seen from points of the scene.
 //!
-//! A *beam* is a direction from which a light may reach a point, drawn at random where the light has many; what it brings is known
-//! once a shadow ray has told whether anything stands in its way.
+//! A *beam* is a direction from which a light may reach a point, drawn at random where the light has many;
+//! what it brings is known once a shadow ray has told whether anything stands in its way.
 
 use glam::DVec3;
 
@@ -10,8 +10,8 @@ use super::sky::SkySampler;
 use super::{IN_PLANE, Ray, Tracer};
 use crate::scene::Light;
 
-/// A triangle that fills more than this, sr, seen from a light over it by less than this part of the root of its area, is lit so
-/// unevenly that points of it are drawn by solid angle.
+/// A triangle that fills more than this, sr, seen from a light over it by less than this part of the root of
+/// its area, is lit so unevenly that points of it are drawn by solid angle.
 const NEAR_ANGLE: f64 = 0.05;
 const NEAR_HEIGHT: f64 = 0.05;
 
@@ -50,8 +50,8 @@ pub struct Beam {
     pub direction: DVec3,
     /// How far the light is, normalised; infinite for the sun.
     pub distance: f64,
-    /// Irradiance that faces it, as a part of the light's power, by geometry alone: r⁻² for lights that have a place, 1 on average
-    /// for the sun.
+    /// Irradiance that faces it, as a part of the light's power, by geometry alone: r⁻² for lights that have
+    /// a place, 1 on average for the sun.
     pub density: f64,
     /// The share of the light's power that it sends this way.
     pub share: f64,
@@ -121,7 +121,8 @@ impl Lights {
             Place::Towards(middle, 0.0) => {
                 Beam { direction: middle, distance: f64::INFINITY, density: 1.0, share: 1.0 }
             }
-            // A disc of even radiance sends the same through each part of its projection on the plane that faces it.
+            // A disc of even radiance sends the same through each part of its projection on the plane that
+            // faces it.
             Place::Towards(middle, sine) => {
                 let [x, y] = uniform_disc(random).map(|x| x * sine);
                 let height = (1.0 - x * x - y * y).max(0.0).sqrt();
@@ -131,8 +132,9 @@ impl Lights {
         }
     }
 
-    /// The mean over a triangle of density · cos θ of a light's beams, where that is known without sampling: for a light with a place the
-    /// solid angle that the triangle fills, per area; for the sun the cosine, where all of it is above the horizon.
+    /// The mean over a triangle of density · cos θ of a light's beams, where that is known without sampling:
+    /// for a light with a place the solid angle that the triangle fills, per area; for the sun the cosine,
+    /// where all of it is above the horizon.
     pub fn mean_density(&self, light: usize, corners: &[DVec3; 3], normal: DVec3) -> Option<f64> {
         let [a, b, c] = *corners;
         match self.lamps[light].place {
@@ -152,7 +154,8 @@ impl Lights {
         }
     }
 
-    /// Whether a triangle of this [`Lights::mean_density`] is so near a light that its points are drawn by [`Lights::point_near`].
+    /// Whether a triangle of this [`Lights::mean_density`] is so near a light that its points are drawn by
+    /// [`Lights::point_near`].
     pub fn is_near(&self, light: usize, corners: &[DVec3; 3], normal: DVec3, mean: f64) -> bool {
         let [a, b, c] = *corners;
         let Place::At(position) = self.lamps[light].place else { return false };
@@ -160,8 +163,8 @@ impl Lights {
         mean * area > NEAR_ANGLE && normal.dot(position - a).powi(2) < NEAR_HEIGHT * NEAR_HEIGHT * area
     }
 
-    /// A point of a triangle, as weights of its second and third corner, uniform in solid angle seen from a light with a place. It must
-    /// stand over the triangle's plane.
+    /// A point of a triangle, as weights of its second and third corner, uniform in solid angle seen from a
+    /// light with a place. It must stand over the triangle's plane.
     pub fn point_near(
         &self,
         light: usize,
@@ -172,7 +175,8 @@ impl Lights {
         let Place::At(position) = self.lamps[light].place else { return uniform_triangle(square) };
         let [a, b, c] = *corners;
         let foot = position - normal * normal.dot(position - a);
-        // Over the triangle, divide it at the foot: three narrow parts are drawn from exactly where one of half a sphere is not.
+        // Over the triangle, divide it at the foot: three narrow parts are drawn from exactly where one of
+        // half a sphere is not.
         let parts = [[foot, a, b], [foot, b, c], [foot, c, a]];
         let angles = parts.map(|part| solid_angle(position, &part));
         let whole: f64 = angles.iter().sum();
@@ -200,7 +204,8 @@ impl Lights {
         [s, weight(b - a, point - a).min(1.0 - s)]
     }
 
-    /// Whether a beam gets to a point of a face; `parts` is multiplied by what thin glass leaves of it, per channel.
+    /// Whether a beam gets to a point of a face; `parts` is multiplied by what thin glass leaves of it, per
+    /// channel.
     #[inline]
     pub fn arrives(
         &self,
@@ -213,8 +218,9 @@ impl Lights {
         tracer.passes(&ray, beam.distance, parts)
     }
 
-    /// Adds to `irradiance` (per channel, W·m⁻²) what reaches a point of a face's side, by one beam from each light and one from the
-    /// sky; unbiased. `random` gives numbers for each; `scratch` has a value a channel.
+    /// Adds to `irradiance` (per channel, W·m⁻²) what reaches a point of a face's side, by one beam from each
+    /// light and one from the sky; unbiased. `random` gives numbers for each; `scratch` has a value a
+    /// channel.
     pub fn add_irradiance(
         &self,
         tracer: &Tracer,
@@ -341,7 +347,8 @@ mod tests {
         let lights = Lights::new(&tracer).unwrap();
         assert_eq!(lights.mean_density(0, tracer.corners(0), DVec3::Y), None);
         let found = sampled(&lights, 0, tracer.corners(0), DVec3::Y);
-        // ∫ over the upper half of the disc of sin γ sin φ dω, with dω = sin γ dγ dφ, over its projection π sin²α.
+        // ∫ over the upper half of the disc of sin γ sin φ dω, with dω = sin γ dγ dφ, over its projection π
+        // sin²α.
         let alpha = 0.5 * diameter.to_radians();
         let exact = (alpha - alpha.sin() * alpha.cos()) / (PI * alpha.sin().powi(2));
         assert!((found / exact - 1.0).abs() < 1e-3, "{found} {exact}");

@@ -1,9 +1,11 @@
 //! Media: in which dielectric a place lies, told by the surfaces around it.
 //!
-//! A ray from the place meets some solids from outside and leaves them again. The first that it leaves without having entered it is the
-//! innermost around the place: its index of refraction is the one that holds there. So a ball of glass in water bends light by 1.5/1.33, and
-//! solids that lie in each other need no order in the file. Each face of a dielectric has one medium before it, the one at its centre; where
-//! solids overlap, the one that is left first counts. Solids of one material are taken to lie beside each other, or to be hollow.
+//! A ray from the place meets some solids from outside and leaves them again. The first that it leaves
+//! without having entered it is the innermost around the place: its index of refraction is the one that holds
+//! there. So a ball of glass in water bends light by 1.5/1.33, and solids that lie in each other need no
+//! order in the file. Each face of a dielectric has one medium before it, the one at its centre; where solids
+//! overlap, the one that is left first counts. Solids of one material are taken to lie beside each other, or
+//! to be hollow.
 
 use std::collections::BTreeMap;
 
@@ -84,8 +86,8 @@ fn solids(scene: &Scene) -> Vec<Vec<u32>> {
 }
 
 impl Tracer<'_> {
-    /// Index of refraction of the medium at a point of a face, on the side to which `normal` points: that of the innermost dielectric around
-    /// it, 1 outside of all.
+    /// Index of refraction of the medium at a point of a face, on the side to which `normal` points: that of
+    /// the innermost dielectric around it, 1 outside of all.
     pub fn medium_at(&self, point: DVec3, face: u32, normal: DVec3) -> f64 {
         if self.media.bounds.iter().any(|bounds| bounds.holds(point)) {
             self.looked_around(point, face, normal)

@@ -1,7 +1,7 @@
 //! Trace: rays against the scene's faces.
 //!
-//! A [`Tracer`] answers two questions, [`Tracer::closest_hit`] and [`Tracer::unoccluded`], exactly enough that a
-//! closed mesh lets no ray out. It knows faces and nothing of patches, so the cost of a ray does not
+//! A [`Tracer`] answers two questions, [`Tracer::closest_hit`] and [`Tracer::unoccluded`], exactly enough
+//! that a closed mesh lets no ray out. It knows faces and nothing of patches, so the cost of a ray does not
 //! grow with the number of patches.
 //!
 //! Everything here happens in the *normalised frame*: the scene is moved to the origin and scaled to fit
@@ -210,7 +210,8 @@ impl<'s> Tracer<'s> {
         self.encounters.get(face as usize) == Some(&Encounter::GoesOn)
     }
 
-    /// Whether a ray that meets a face may go on from there: from carriers, and from coats over diffuse surfaces.
+    /// Whether a ray that meets a face may go on from there: from carriers, and from coats over diffuse
+    /// surfaces.
     #[inline]
     pub fn may_go_on(&self, face: u32) -> bool {
         self.encounters.get(face as usize).is_some_and(|&encounter| encounter != Encounter::Ends)
@@ -238,7 +239,8 @@ impl<'s> Tracer<'s> {
         }
     }
 
-    /// The first face that the ray meets, if any: of coinciding faces the one on top, of equally near ones the lower number.
+    /// The first face that the ray meets, if any: of coinciding faces the one on top, of equally near ones
+    /// the lower number.
     pub fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         if self.layers.is_empty() {
             return self.bvh.closest_hit(ray, &[]);
@@ -246,8 +248,8 @@ impl<'s> Tracer<'s> {
         self.bvh.closest_hit(ray, self.layers.twins(ray.from)).map(|hit| self.hit_on_top(hit))
     }
 
-    /// Whether two points on two faces see each other, in front of or behind those faces alike. A point that another face covers sees
-    /// nothing.
+    /// Whether two points on two faces see each other, in front of or behind those faces alike. A point that
+    /// another face covers sees nothing.
     pub fn unoccluded(&self, (p, from): (DVec3, u32), (q, to): (DVec3, u32)) -> bool {
         let distance = p.distance(q);
         let direction = (q - p) / distance;

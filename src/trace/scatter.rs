@@ -1,9 +1,11 @@
 //! Scatter: what mirrors, glass, rough conductors and coats do with a ray.
 //!
-//! A mirror sends it on in one direction, r = d − 2(d·n)n. Smooth glass reflects the part F of its power and refracts the rest
-//! (Snell 1621, Fresnel 1823); beyond the critical angle F = 1. Which of the two a random ray takes is chosen with their own
-//! probabilities F and 1 − F, so that the ray keeps its weight. A sheet of thin glass does the same but lets rays go straight on. A rough conductor spreads it over a lobe, of which a random ray takes one
-//! direction; so does a coat with the part that it reflects, while the rest gets under it and ends.
+//! A mirror sends it on in one direction, r = d − 2(d·n)n. Smooth glass reflects the part F of its power and
+//! refracts the rest (Snell 1621, Fresnel 1823); beyond the critical angle F = 1. Which of the two a random
+//! ray takes is chosen with their own probabilities F and 1 − F, so that the ray keeps its weight. A sheet of
+//! thin glass does the same but lets rays go straight on. A rough conductor spreads it over a lobe, of which
+//! a random ray takes one direction; so does a coat with the part that it reflects, while the rest gets under
+//! it and ends.
 
 use glam::DVec3;
 
@@ -16,7 +18,8 @@ use crate::scene::{Side, Surface};
 /// A ray that has met more carriers than this is given up as lost.
 const LONGEST: u32 = 256;
 
-/// Which part of light a carrier passes on, per channel: c + (1 − c)·w of a colour c, where w leads from c to white.
+/// Which part of light a carrier passes on, per channel: c + (1 − c)·w of a colour c, where w leads from c to
+/// white.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tint<'t> {
     colour: &'t [f64],
@@ -65,8 +68,8 @@ impl<'t> Tint<'t> {
 pub struct Scattered<'t> {
     /// The ray that goes on.
     pub ray: Ray,
-    /// Which part of the power goes this way, before `colour`; of rough conductors, which send it everywhere, all; of coats, which do
-    /// too, all that is not to get under them.
+    /// Which part of the power goes this way, before `colour`; of rough conductors, which send it everywhere,
+    /// all; of coats, which do too, all that is not to get under them.
     pub share: f64,
     /// Which part of that goes on; none where all of it does.
     pub colour: Option<Tint<'t>>,
@@ -105,8 +108,8 @@ impl<'t> Glossy<'t> {
         }
     }
 
-    /// The way on by random numbers; `more` gives further numbers. Directions have density [`Glossy::density`], those of coats where they are
-    /// taken with their share.
+    /// The way on by random numbers; `more` gives further numbers. Directions have density
+    /// [`Glossy::density`], those of coats where they are taken with their share.
     pub fn sample(&self, random: [f64; 3], more: impl FnOnce() -> [f64; 4]) -> Scattered<'t> {
         let frame = frame_around(self.normal);
         let from = frame.transpose() * self.from;
@@ -134,7 +137,8 @@ impl<'t> Glossy<'t> {
         }
     }
 
-    /// BSDF times cosine towards a direction, as two parts: what a white conductor or coat would have, and which part of that goes on.
+    /// BSDF times cosine towards a direction, as two parts: what a white conductor or coat would have, and
+    /// which part of that goes on.
     pub fn reflected(&self, direction: DVec3) -> [(f64, Tint<'t>); 2] {
         let inverse = frame_around(self.normal).transpose();
         let (o, i) = (inverse * self.from, inverse * direction);
@@ -178,8 +182,8 @@ impl<'s> Tracer<'s> {
         Some(Glossy { facets, point: self.point(hit), face: hit.face, normal, from: -ray.direction })
     }
 
-    /// The way on from a mirror or glass that `ray` meets at `hit`, reflected, and the one refracted where there is one; their shares
-    /// sum to 1.
+    /// The way on from a mirror or glass that `ray` meets at `hit`, reflected, and the one refracted where
+    /// there is one; their shares sum to 1.
     ///
     /// # Panics
     /// If the face is neither.
@@ -208,8 +212,8 @@ impl<'s> Tracer<'s> {
                 (way(reflected, share, None), Some(way(refracted, 1.0 - share, Some(Tint::of(filter)))))
             }
             Surface::Pane { index, filter } => {
-                // R of either surface, and all reflections between them: R + fR(1 − R)/(1 + R) back and f(1 − R)/(1 + R) through, for
-                // what goes in crosses two surfaces on either way and is dimmed by f.
+                // R of either surface, and all reflections between them: R + fR(1 − R)/(1 + R) back and f(1 −
+                // R)/(1 + R) through, for what goes in crosses two surfaces on either way and is dimmed by f.
                 let once = fresnel(cosine, *index);
                 let through = (1.0 - once) / (1.0 + once);
                 let back = Tint::towards_white(filter, 0.5 * (1.0 + once));
@@ -222,8 +226,9 @@ impl<'s> Tracer<'s> {
         }
     }
 
-    /// One of the ways on from a carrier, drawn with its share, or from a coat; nothing where it gets under the coat. The first random number
-    /// chooses among the ways of mirrors and glass; facets use all three, and `more` where these do not suffice.
+    /// One of the ways on from a carrier, drawn with its share, or from a coat; nothing where it gets under
+    /// the coat. The first random number chooses among the ways of mirrors and glass; facets use all three,
+    /// and `more` where these do not suffice.
     #[inline]
     pub fn scatter(
         &self,
@@ -240,8 +245,8 @@ impl<'s> Tracer<'s> {
         Some(second.filter(|_| random[0] >= first.share).unwrap_or(first))
     }
 
-    /// Whether light gets along a ray to this distance (normalised, or infinite) straight, through thin glass where it stands in the way;
-    /// `parts` is multiplied by what that leaves of it, per channel.
+    /// Whether light gets along a ray to this distance (normalised, or infinite) straight, through thin glass
+    /// where it stands in the way; `parts` is multiplied by what that leaves of it, per channel.
     #[inline]
     pub fn passes(&self, ray: &Ray, distance: f64, parts: &mut [f64]) -> bool {
         if self.has_panes { self.passes_panes(ray, distance, parts) } else { self.is_clear(ray, distance) }
@@ -265,7 +270,8 @@ impl<'s> Tracer<'s> {
         false
     }
 
-    /// Whether a ray that meets a carrier at `hit` goes straight on through it: thin glass lets it do so, as [`Tracer::passes`] knows.
+    /// Whether a ray that meets a carrier at `hit` goes straight on through it: thin glass lets it do so, as
+    /// [`Tracer::passes`] knows.
     #[inline]
     pub fn goes_straight(&self, before: &Ray, hit: &Hit, after: &Ray) -> bool {
         let face = hit.face as usize;
@@ -274,10 +280,12 @@ impl<'s> Tracer<'s> {
         is_pane && before.direction.dot(normal) * after.direction.dot(normal) > 0.0
     }
 
-    /// Follows a ray, by one way at every carrier and coat, until it meets a diffuse surface, gets under a coat or ends elsewhere.
+    /// Follows a ray, by one way at every carrier and coat, until it meets a diffuse surface, gets under a
+    /// coat or ends elsewhere.
     ///
-    /// `numbers(k)` gives random numbers, k counting from 0: four for every carrier, and sometimes four more. `survives(colour, chance)` decides, by
-    /// another of them, whether the ray goes on where that part of its power does.
+    /// `numbers(k)` gives random numbers, k counting from 0: four for every carrier, and sometimes four more.
+    /// `survives(colour, chance)` decides, by another of them, whether the ray goes on where that part of its
+    /// power does.
     #[inline]
     pub fn destination(
         &self,
@@ -292,8 +300,8 @@ impl<'s> Tracer<'s> {
         }
     }
 
-    /// Follows a ray on from the carrier that it meets at `hit`, as [`Tracer::destination`] does; calls `met(before, hit, after)` with the
-    /// ray before and after each carrier.
+    /// Follows a ray on from the carrier that it meets at `hit`, as [`Tracer::destination`] does; calls
+    /// `met(before, hit, after)` with the ray before and after each carrier.
     #[inline]
     pub fn follow(
         &self,
@@ -331,8 +339,8 @@ impl<'s> Tracer<'s> {
     }
 }
 
-/// The part of unpolarised light that a smooth surface reflects, met at an angle of this cosine; `ratio` is the index of refraction
-/// behind the surface by that before it (Fresnel 1823). 1 beyond the critical angle.
+/// The part of unpolarised light that a smooth surface reflects, met at an angle of this cosine; `ratio` is
+/// the index of refraction behind the surface by that before it (Fresnel 1823). 1 beyond the critical angle.
 pub fn fresnel(cosine: f64, ratio: f64) -> f64 {
     let inside = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);
     if inside <= 0.0 {

@@ -1,8 +1,10 @@
-//! Shots: rays from lights without area and from the sky to the mirrors, metals and glass that they meet first.
+//! Shots: rays from lights without area and from the sky to the mirrors, metals and glass that they meet
+//! first.
 //!
-//! A light with a place draws one of these faces by the solid angle that it fills, and a direction evenly within it; a spot draws half of its
-//! directions from its cone, and all count by the density of both (Veach & Guibas 1995, eq. 14). Suns and skies draw a face by its area, and a point on it. A
-//! shot that meets something else first is void, so that every direction is drawn in one way only.
+//! A light with a place draws one of these faces by the solid angle that it fills, and a direction evenly
+//! within it; a spot draws half of its directions from its cone, and all count by the density of both (Veach
+//! & Guibas 1995, eq. 14). Suns and skies draw a face by its area, and a point on it. A shot that meets
+//! something else first is void, so that every direction is drawn in one way only.
 
 use std::f64::consts::TAU;
 
@@ -20,7 +22,8 @@ const OUTSIDE: f64 = 4.0;
 /// Faces that fill less than this are drawn from by area, sr.
 const TINY: f64 = 1e-6;
 
-/// What a face in whose direction a light sends nothing counts for all the same, for shares are looked up at a few points alone.
+/// What a face in whose direction a light sends nothing counts for all the same, for shares are looked up at
+/// a few points alone.
 const LEAST_SHARE: f64 = 0.05;
 
 /// The faces of mirrors, metals and glass as lights aim at them.
@@ -158,7 +161,8 @@ impl Targets {
         Some(SkyShot { ray, hit, beam, density })
     }
 
-    /// Density of sky shots that meet a face from a direction, per unit of area across the ray and of solid angle.
+    /// Density of sky shots that meet a face from a direction, per unit of area across the ray and of solid
+    /// angle.
     #[inline]
     pub fn sky_density(&self, tracer: &Tracer, sky: &SkySampler, face: u32, direction: DVec3) -> f64 {
         let normal = tracer.normal(face as usize, Side::Front);
@@ -215,7 +219,8 @@ fn accumulate(weights: impl Iterator<Item = f64>, chances: &mut Vec<f64>) -> f64
     total
 }
 
-/// A ray that comes from a direction to a point of a face, from outside of the scene, where the face is the first that it meets.
+/// A ray that comes from a direction to a point of a face, from outside of the scene, where the face is the
+/// first that it meets.
 #[inline]
 fn from_outside(tracer: &Tracer, point: DVec3, direction: DVec3, face: u32) -> Option<(Ray, Hit)> {
     let ray = Ray { origin: point + OUTSIDE * direction, direction: -direction, from: Ray::FREE };

@@ -33,7 +33,8 @@ pub struct SkyBeam {
     pub direction: DVec3,
     /// Share of the zenith's radiance · cos θ / density of the direction.
     pub weight: f64,
-    /// By what the zenith's red, green and blue are to be multiplied too, where they differ; a single channel takes the first.
+    /// By what the zenith's red, green and blue are to be multiplied too, where they differ; a single channel
+    /// takes the first.
     pub tint: Option<[f64; 3]>,
 }
 
@@ -80,7 +81,8 @@ impl SkySampler {
         self.shares.from(towards)
     }
 
-    /// What comes from a direction: its share of the zenith's radiance and its tint, as a beam of this weight.
+    /// What comes from a direction: its share of the zenith's radiance and its tint, as a beam of this
+    /// weight.
     #[inline]
     pub fn from(&self, direction: DVec3) -> SkyBeam {
         let (weight, tint) = self.shares.tinted(direction);
@@ -89,7 +91,8 @@ impl SkySampler {
 
     /// A direction above a surface with this normal, and what it brings where nothing hides it.
     ///
-    /// One half of the directions is drawn by the cosine, the other by the sky's brightness; the density is the mean of both.
+    /// One half of the directions is drawn by the cosine, the other by the sky's brightness; the density is
+    /// the mean of both.
     #[inline]
     pub fn sample(&self, normal: DVec3, [u, v]: [f64; 2]) -> SkyBeam {
         let direction = if self.is_even() {

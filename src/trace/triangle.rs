@@ -1,8 +1,8 @@
 //! Triangle: watertight intersection of a ray with a triangle.
 //!
-//! Woop, Benthin & Wald 2013, *Watertight Ray/Triangle Intersection*, in f64: the triangle is moved into a space
-//! where the ray runs along one axis; the three edge tests of neighbouring triangles then share their arithmetic to the
-//! last bit, so that no ray slips between them.
+//! Woop, Benthin & Wald 2013, *Watertight Ray/Triangle Intersection*, in f64: the triangle is moved into a
+//! space where the ray runs along one axis; the three edge tests of neighbouring triangles then share their
+//! arithmetic to the last bit, so that no ray slips between them.
 
 use glam::DVec3;
 

@@ -1,9 +1,11 @@
 //! Agreement: whether both directions of a pair of face sides found the same exchange area.
 //!
-//! Side a finds S_ab by its own rays and side b finds S_ba by its own. On a sound mesh the two differ by chance alone; where rays are lost or
-//! met twice in one direction they do not. This needs no closed form, and holds through specular surfaces too.
+//! Side a finds S_ab by its own rays and side b finds S_ba by its own. On a sound mesh the two differ by
+//! chance alone; where rays are lost or met twice in one direction they do not. This needs no closed form,
+//! and holds through specular surfaces too.
 //!
-//! z = (S_ab − S_ba) / √(var S_ab + var S_ba), each variance that of counted rays, and no less than what the other direction lets expect.
+//! z = (S_ab − S_ba) / √(var S_ab + var S_ba), each variance that of counted rays, and no less than what the
+//! other direction lets expect.
 
 use std::collections::HashMap;
 
@@ -22,7 +24,8 @@ pub struct Disagreement {
     pub z: f64,
 }
 
-/// Beyond this many standard errors a pair is told: good scenes stay below 2.4, broken ones reach 38 and more.
+/// Beyond this many standard errors a pair is told: good scenes stay below 2.4, broken ones reach 38 and
+/// more.
 pub const DISAGREE: f64 = 5.0;
 
 /// With no more rays than this one way, and none the other, |z| stays within [`DISAGREE`].
@@ -67,7 +70,8 @@ impl<'a> FaceSides<'a> {
         self.first_patch.len() - 1
     }
 
-    /// What a side's rays found of the others, in the first channel; `found` is all zero before and after, and `touched` empty.
+    /// What a side's rays found of the others, in the first channel; `found` is all zero before and after,
+    /// and `touched` empty.
     fn look_from(&self, side: usize, found: &mut [Found], touched: &mut Vec<u32>) -> Vec<(u32, Found)> {
         for i in self.first_patch[side]..self.first_patch[side + 1] {
             let Some(row) = self.rows.of(self.patches.slot_of_patch(i)) else { continue };
@@ -112,7 +116,8 @@ impl<'a> FaceSides<'a> {
     }
 }
 
-/// The pairs of face sides whose directions differ by more than [`DISAGREE`] standard errors, the worst first.
+/// The pairs of face sides whose directions differ by more than [`DISAGREE`] standard errors, the worst
+/// first.
 pub(super) fn disagreements(rows: &Rows, patches: &Patches) -> Vec<Disagreement> {
     let sides = FaceSides::new(rows, patches);
     // Keep what enough rays found to disagree about; look up the other direction of the same pairs.

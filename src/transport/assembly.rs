@@ -24,7 +24,8 @@ pub(super) struct Raw {
 pub(super) struct Leaving {
     /// All of it, per coefficient.
     pub all: DVector<f64>,
-    /// Which shares of it carriers absorb and paths lose that are cut short, per coefficient; none without carriers.
+    /// Which shares of it carriers absorb and paths lose that are cut short, per coefficient; none without
+    /// carriers.
     pub in_carriers: Option<[DVector<f64>; 2]>,
 }
 
@@ -97,7 +98,8 @@ pub(super) fn has_carriers(patches: &Patches) -> bool {
     (0..scene.faces().len()).any(|face| scene.passes_on(face))
 }
 
-/// What one patch found of its exchange area with another; the pair's exchange area is the sum of both findings.
+/// What one patch found of its exchange area with another; the pair's exchange area is the sum of both
+/// findings.
 type Part = (u32, f32);
 
 /// Sums up rows into findings.
@@ -112,10 +114,10 @@ struct Finder<'a> {
 impl Finder<'_> {
     /// What patch i found: its parts, ascending, and what escapes from it, is absorbed by carriers or lost.
     ///
-    /// A landing of i on j is worth A_i/N. Its variance grows with A_i, so the two directions of a pair are averaged with
-    /// weights A_j and A_i: each landing between i and j is then worth the same from either side. Of a lamp its receivers
-    /// know more than it does itself: between the two, only what they found counts, straight on by light sampling and by way of
-    /// carriers by their rays.
+    /// A landing of i on j is worth A_i/N. Its variance grows with A_i, so the two directions of a pair are
+    /// averaged with weights A_j and A_i: each landing between i and j is then worth the same from either
+    /// side. Of a lamp its receivers know more than it does itself: between the two, only what they found
+    /// counts, straight on by light sampling and by way of carriers by their rays.
     fn found_by(&self, i: usize) -> (Vec<Part>, [f64; 3]) {
         let areas = self.patches.etendues();
         let mut leaving = [0.0; 3];

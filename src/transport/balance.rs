@@ -1,6 +1,7 @@
 //! Balance: the positive diagonal D for which D T D closes, as far as scales up to D_max can.
 //!
-//! Wanted is D_i ((T D)_i + e_i) = a_i for every row: with x = ln D that is the stationary point of the convex
+//! Wanted is D_i ((T D)_i + e_i) = a_i for every row: with x = ln D that is the stationary point of the
+//! convex
 //!
 //! f(x) = ½ Σ T_ij exp(x_i + x_j) + Σ e_i exp(x_i) − Σ a_i x_i.
 //!

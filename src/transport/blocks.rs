@@ -1,9 +1,11 @@
-//! Blocks: a symmetric matrix for linear elements, three rows a patch, made of what pairs of patches exchange.
+//! Blocks: a symmetric matrix for linear elements, three rows a patch, made of what pairs of patches
+//! exchange.
 //!
-//! Of pairs between which few rays went the rays are kept as they are, 8 bytes each: one is worth h φ_a(x) φ_b(y), where
-//! h = A_i A_j / ((A_i + A_j) N) is the same for all rays between i and j. Of other pairs, and of those with a lamp, the 3 × 3 block
-//! of sums is kept, 40 bytes. Every pair stands in the rows of both patches, so that a product only gathers; all that is computed
-//! of it commutes in i and j, so that both get the same bits.
+//! Of pairs between which few rays went the rays are kept as they are, 8 bytes each: one is worth h φ_a(x)
+//! φ_b(y), where h = A_i A_j / ((A_i + A_j) N) is the same for all rays between i and j. Of other pairs, and
+//! of those with a lamp, the 3 × 3 block of sums is kept, 40 bytes. Every pair stands in the rows of both
+//! patches, so that a product only gathers; all that is computed of it commutes in i and j, so that both get
+//! the same bits.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -75,7 +77,8 @@ impl Blocks {
         Self { worths, block_starts, partners, blocks, landing_starts, landings }
     }
 
-    /// Bytes that joining takes for so many patches, and that what comes out takes at most, where each found so many rays.
+    /// Bytes that joining takes for so many patches, and that what comes out takes at most, where each found
+    /// so many rays.
     pub(super) fn bytes_for(patches: u64, rays: u64) -> u64 {
         let landings = 2 * patches * rays;
         let (all, joined) = (8 * landings, 40 * landings / MANY as u64);
@@ -162,7 +165,8 @@ impl Blocks {
                 }
             }
         }
-        // Sum up over rays the value of x where they end in the partner, plain and by both steps of where they end here ...
+        // Sum up over rays the value of x where they end in the partner, plain and by both steps of where
+        // they end here ...
         let (mut plain, mut by_u, mut by_v) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for landing in &self.landings[self.landing_starts[i]..self.landing_starts[i + 1]] {
             let x = &x[landing.partner as usize];
@@ -185,7 +189,8 @@ impl Blocks {
         sums
     }
 
-    /// Multiplies every entry of every block by `factor(k, l)`, which must be symmetric, and 1 wherever no lamp is concerned.
+    /// Multiplies every entry of every block by `factor(k, l)`, which must be symmetric, and 1 wherever no
+    /// lamp is concerned.
     pub(super) fn scale_blocks(&mut self, factor: impl Fn(usize, usize) -> f64 + Sync) {
         for i in 0..self.patches() {
             let range = self.block_starts[i]..self.block_starts[i + 1];
@@ -315,15 +320,16 @@ fn row(i: u32, found: &Findings, told: &Findings, worths: &[f64]) -> Row {
             blocks.push((j, block.map(|x| x as f32)));
         }
     }
-    // Only one of two patches is a lamp where there is anything to tell of lamps, and no ray counts between them.
+    // Only one of two patches is a lamp where there is anything to tell of lamps, and no ray counts between
+    // them.
     let of_lamps = found.lamps.iter().chain(&told.lamps);
     blocks.extend(of_lamps.map(|&(j, block)| (j, block.map(|x| x as f32))));
     blocks.sort_unstable_by_key(|block| block.0);
     (blocks, lone)
 }
 
-/// The rays between patch i and others, by partner; first those that the patch of lower number sent, each patch's in the order
-/// in which it sent them.
+/// The rays between patch i and others, by partner; first those that the patch of lower number sent, each
+/// patch's in the order in which it sent them.
 fn in_order(i: u32, sent: &[Landing], received: &[Landing]) -> Vec<Landing> {
     let sent = sent.iter().map(|landing| (landing.partner, landing.partner < i, *landing));
     let received = received.iter().map(|landing| (landing.partner, i < landing.partner, *landing));

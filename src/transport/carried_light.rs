@@ -1,12 +1,15 @@
 //! Carried light: what lights without area and the sky bring by way of mirrors, metals and glass.
 //!
-//! Lights shoot rays at these carriers; each that they pass on to a patch brings it its flux. The sky is found by shots too, and by the
-//! patch's own cosine-distributed rays that carriers pass on to the outside. Both draw the same rays, counted by area across the ray and solid
-//! angle: with density a = N/(π M) of the patch's, where π M is its étendue, and b of the shots each of either kind brings, with the radiance L, the flux
+//! Lights shoot rays at these carriers; each that they pass on to a patch brings it its flux. The sky is
+//! found by shots too, and by the patch's own cosine-distributed rays that carriers pass on to the outside.
+//! Both draw the same rays, counted by area across the ray and solid angle: with density a = N/(π M) of the
+//! patch's, where π M is its étendue, and b of the shots each of either kind brings, with the radiance L, the
+//! flux
 //!
 //! L / (a + b)
 //!
-//! (Veach & Guibas 1995, eq. 14). What goes straight through thin glass is no part of it: shadow rays know that.
+//! (Veach & Guibas 1995, eq. 14). What goes straight through thin glass is no part of it: shadow rays know
+//! that.
 
 use std::f64::consts::PI;
 
@@ -34,7 +37,8 @@ const RAYS_PER_SHOT: u32 = 4;
 pub struct CarriedLight {
     /// Irradiance, a part of H₀, N × c, W·m⁻².
     pub irradiance: DMatrix<f64>,
-    /// Flux that carriers absorbed on ways that end on patches, per channel, W·m⁻² times the normalised unit of area.
+    /// Flux that carriers absorbed on ways that end on patches, per channel, W·m⁻² times the normalised unit
+    /// of area.
     pub absorbed: Vec<f64>,
     /// Flux that was given up after too many carriers, the same.
     pub lost: Vec<f64>,
@@ -232,8 +236,8 @@ impl Search<'_> {
         self.shoot_all((Stream::SkyShots, 0), one)
     }
 
-    /// Shoots all parts of the shots of a light: `one(self, random, flux)` gives a ray, the carrier that it meets and its flux per channel; or in the
-    /// place of this radiance, and the density of such shots.
+    /// Shoots all parts of the shots of a light: `one(self, random, flux)` gives a ray, the carrier that it
+    /// meets and its flux per channel; or in the place of this radiance, and the density of such shots.
     fn shoot_all(
         &mut self,
         (stream, offset): (Stream, u32),

@@ -1,9 +1,10 @@
 //! Caustics: light shot from lamps through mirrors and glass.
 //!
-//! Between a patch i and a lamp patch j light sampling knows what is straight ahead; what goes by way of carriers is known from
-//! rays that reach j from i, each worth A_i/N of S_ij. Where i is small or lies in the focus of a lens these are few and noisy. So j
-//! shoots M rays of its own; each that reaches i by way of carriers is worth A_j/M. The variance of either estimate is S_ij times
-//! the worth of one ray, so that with weights inverse to it every ray of either kind counts
+//! Between a patch i and a lamp patch j light sampling knows what is straight ahead; what goes by way of
+//! carriers is known from rays that reach j from i, each worth A_i/N of S_ij. Where i is small or lies in the
+//! focus of a lens these are few and noisy. So j shoots M rays of its own; each that reaches i by way of
+//! carriers is worth A_j/M. The variance of either estimate is S_ij times the worth of one ray, so that with
+//! weights inverse to it every ray of either kind counts
 //!
 //! 1 / (N/A_i + M/A_j).
 
@@ -115,8 +116,8 @@ impl Caustics {
         self.found[start..end].iter().filter(counts)
     }
 
-    /// What a ray of either kind between a receiver and a lamp patch is worth, by their areas: N of the receiver's `rays` and the lamp's
-    /// M count, less those of batches that are left out.
+    /// What a ray of either kind between a receiver and a lamp patch is worth, by their areas: N of the
+    /// receiver's `rays` and the lamp's M count, less those of batches that are left out.
     pub fn worth(&self, [receiver, lamp]: [f64; 2], rays: f64, batches: u32) -> f64 {
         let shots = f64::from(self.shots / BATCHES * batches);
         1.0 / (rays / receiver + shots / lamp)

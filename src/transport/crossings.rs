@@ -1,7 +1,8 @@
 //! Crossings: light from points and suns that mirrors, metals and glass throw through a receiver.
 //!
-//! A receiver's points stand in the way of nothing, and no ray that starts in one finds such light. So lights shoot rays as at patches, and every
-//! point has the mean over its cell of the grid: the flux that crosses it from the front, by the cell's area.
+//! A receiver's points stand in the way of nothing, and no ray that starts in one finds such light. So lights
+//! shoot rays as at patches, and every point has the mean over its cell of the grid: the flux that crosses it
+//! from the front, by the cell's area.
 
 use std::cell::Cell;
 
@@ -65,7 +66,8 @@ impl Grid {
     }
 }
 
-/// Adds to the irradiance of a receiver's points (a value a channel each, W·m⁻²) what lights throw through its cells.
+/// Adds to the irradiance of a receiver's points (a value a channel each, W·m⁻²) what lights throw through
+/// its cells.
 pub(super) fn add_crossings(
     tracer: &Tracer,
     lights: &Lights,

@@ -1,9 +1,11 @@
 //! Density: how full the exchange matrix will be, told from the shape alone before a ray is traced.
 //!
-//! Between patches i and j some N (F_ij + F_ji) rays go, so that an entry is there with probability 1 − exp(−N (F_ij + F_ji)).
-//! F is taken from pairs of random points as cos θ cos θ′ A_j / (π r² + A_j). What stands in between is not looked at; but where a row
-//! sums to more than 1, some of it must hide the rest, and pairs are taken to see each other with a chance that fades with distance as exp(−κr), κ such
-//! that it sums to 1. The number of entries comes out within a tenth where nothing hides anything, and within a third in furnished rooms.
+//! Between patches i and j some N (F_ij + F_ji) rays go, so that an entry is there with probability 1 −
+//! exp(−N (F_ij + F_ji)). F is taken from pairs of random points as cos θ cos θ′ A_j / (π r² + A_j). What
+//! stands in between is not looked at; but where a row sums to more than 1, some of it must hide the rest,
+//! and pairs are taken to see each other with a chance that fades with distance as exp(−κr), κ such that it
+//! sums to 1. The number of entries comes out within a tenth where nothing hides anything, and within a third
+//! in furnished rooms.
 
 use glam::DVec3;
 
@@ -49,7 +51,8 @@ struct Place {
 }
 
 impl Density {
-    /// Looks at pairs of points; `block` is the number of rays from which on a pair of linear elements is kept as a block.
+    /// Looks at pairs of points; `block` is the number of rays from which on a pair of linear elements is
+    /// kept as a block.
     pub fn new(tracer: &Tracer, outlook: &Outlook, lamps: &Lamps, count: RayCount, block: usize) -> Self {
         let places = Places::new(tracer, &outlook.patches_of, lamps, outlook.stretches.iter().copied());
         let whole = |face: usize| Stretch { face, corners: *tracer.corners(face), cells: 1.0 };
@@ -84,7 +87,8 @@ impl Density {
             // What carriers pass on is taken to land anywhere.
             let anywhere = carried / outlook.patches();
             for (k, column) in columns.iter().enumerate() {
-                // Of a pair that sees each other every ray counts, of one that does not none; what carriers pass on comes beside it.
+                // Of a pair that sees each other every ray counts, of one that does not none; what carriers
+                // pass on comes beside it.
                 let (f, rays) = (factors[k] + anywhere, f64::from(count.rays));
                 let back = 1.0 + row.area / column.area;
                 let chance = |straight: f64, carried: f64| {

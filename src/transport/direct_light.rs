@@ -1,7 +1,8 @@
-//! Direct light: the irradiance that comes straight from lamps, for runs that leave interreflection out and need no form factors.
+//! Direct light: the irradiance that comes straight from lamps, for runs that leave interreflection out and
+//! need no form factors.
 //!
-//! Points x on a patch are paired with points y drawn on lamps with density p, and H = E\[π Lₑ(y) V(x, y) g(x, y)/p(y)\] with g the
-//! geometry term and V whether they see each other.
+//! Points x on a patch are paired with points y drawn on lamps with density p, and H = E\[π Lₑ(y) V(x, y)
+//! g(x, y)/p(y)\] with g the geometry term and V whether they see each other.
 
 use std::f64::consts::PI;
 
@@ -20,9 +21,10 @@ use crate::trace::{Lamps, Tracer, geometry_term};
 const CHUNK: usize = 4096;
 
 impl Sources {
-    /// The same with what lamps send straight to patches among what lights bring: [`Sources::direct`] is then all light that has not been
-    /// reflected. As many pairs of points a patch as the options have shadow rays; what comes by way of mirrors and glass is left out.
-    /// Where the rest of the lamps' light goes, as many rays from lamps tell as there are pairs, at most 2¹⁹.
+    /// The same with what lamps send straight to patches among what lights bring: [`Sources::direct`] is then
+    /// all light that has not been reflected. As many pairs of points a patch as the options have shadow
+    /// rays; what comes by way of mirrors and glass is left out. Where the rest of the lamps' light goes, as
+    /// many rays from lamps tell as there are pairs, at most 2¹⁹.
     ///
     /// # Errors
     /// `Cancelled`.
@@ -91,8 +93,8 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Adds ∫ φ_a H/π dA over a patch to `moments`: for each eighth of the pairs a row of channels for each of the basis
-    /// functions `phi`.
+    /// Adds ∫ φ_a H/π dA over a patch to `moments`: for each eighth of the pairs a row of channels for each
+    /// of the basis functions `phi`.
     fn add_moments<const N: usize>(
         &self,
         patch: usize,

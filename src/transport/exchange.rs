@@ -1,5 +1,5 @@
-//! Exchange areas: S_ij = A_i F_ij = S_ji, symmetric and closed; in general S_(ia)(jb) = ∫∫ φ_a φ_b dF dA for basis functions φ_a on
-//! patch i and φ_b on j, with one row per coefficient.
+//! Exchange areas: S_ij = A_i F_ij = S_ji, symmetric and closed; in general S_(ia)(jb) = ∫∫ φ_a φ_b dF dA for
+//! basis functions φ_a on patch i and φ_b on j, with one row per coefficient.
 //!
 //! Kept as D T D with T symmetric, dense or sparse, and a positive diagonal D in f64 that makes every row
 //! sum to M·1 (a patch's area, or a third of it) together with what escapes and, where no D within bounds
@@ -43,11 +43,11 @@ pub(super) struct Ends {
 }
 
 impl Exchange {
-    /// Balances raw exchange areas `storage` and escapes (N values) between coefficients of this mass, any common unit; the areas
-    /// of patches are the mass of constant elements.
+    /// Balances raw exchange areas `storage` and escapes (N values) between coefficients of this mass, any
+    /// common unit; the areas of patches are the mass of constant elements.
     ///
-    /// `lamps` (N flags) marks those whose entries are known better than the others' and are not to bear their noise.
-    /// Rows that would have to be scaled by more than 4 keep [slack](Exchange::slack).
+    /// `lamps` (N flags) marks those whose entries are known better than the others' and are not to bear
+    /// their noise. Rows that would have to be scaled by more than 4 keep [slack](Exchange::slack).
     ///
     /// # Errors
     /// `Cancelled`.
@@ -119,7 +119,8 @@ impl Exchange {
         Ok(Self { storage, scale, ends, mass, closure, shrinkage })
     }
 
-    /// The ideal sphere, S = A Aᵀ / ΣA: every point sees every area alike. Closed forms are known for all its answers.
+    /// The ideal sphere, S = A Aᵀ / ΣA: every point sees every area alike. Closed forms are known for all its
+    /// answers.
     pub fn ideal_sphere(areas: DVector<f64>) -> Self {
         let total = areas.sum();
         let dense = DMatrix::from_fn(areas.len(), areas.len(), |i, j| (areas[i] * areas[j] / total) as f32);
@@ -155,7 +156,8 @@ impl Exchange {
         Self { storage, scale: DVector::repeat(n, 1.0), ends, mass, closure, shrinkage: 1.0 }
     }
 
-    /// Turns the rows of patches into raw exchange areas of a tone and balances them; without batch `left_out`, if there is one.
+    /// Turns the rows of patches into raw exchange areas of a tone and balances them; without batch
+    /// `left_out`, if there is one.
     pub(super) fn from_rows(
         rows: &Rows,
         (patches, tone): (&Patches, usize),
@@ -248,7 +250,8 @@ impl Exchange {
         self.in_carriers().map_or(0.0, |[absorbed, _]| self.ends.leaving[i] * absorbed[i])
     }
 
-    /// What is lost in paths that met so many mirrors and surfaces of glass that they were given up, as [`Exchange::escape`].
+    /// What is lost in paths that met so many mirrors and surfaces of glass that they were given up, as
+    /// [`Exchange::escape`].
     pub fn lost(&self, i: usize) -> f64 {
         self.in_carriers().map_or(0.0, |[_, lost]| self.ends.leaving[i] * lost[i])
     }
@@ -263,8 +266,8 @@ impl Exchange {
         &self.closure
     }
 
-    /// By which factor τ, ½ to 1, what varies within patches had to be taken for a bounce not to add energy; 1 with enough rays,
-    /// and for constant elements.
+    /// By which factor τ, ½ to 1, what varies within patches had to be taken for a bounce not to add energy;
+    /// 1 with enough rays, and for constant elements.
     pub fn shrinkage(&self) -> f64 {
         self.shrinkage
     }
@@ -304,7 +307,8 @@ impl Exchange {
         self.storage.for_row(i, |j, raw| f(j, (scale * self.scale[j]) * raw));
     }
 
-    /// The largest |S_ij − S_ji| relative to the lesser row sum M·1, recomputed; 0 unless something is damaged.
+    /// The largest |S_ij − S_ji| relative to the lesser row sum M·1, recomputed; 0 unless something is
+    /// damaged.
     pub fn reciprocity_error(&self) -> f64 {
         let error_of = |i: usize| {
             let mut most = 0.0f64;

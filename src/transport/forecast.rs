@@ -1,9 +1,9 @@
 //! Forecast: what a run will cost in rays, seconds and bytes, told before a ray is traced.
 //!
-//! Numbers of patches and rays follow from the options, how full the matrix will be from [`Density`]. Seconds are rays × (a + b log₂ faces),
-//! and for everything that goes through memory, bytes × passes; the constants were fitted on two cores of an AMD EPYC (Zen) and are
-//! divided by the number of threads where work is shared. On another machine they are off by a factor that is about the same for
-//! all stages.
+//! Numbers of patches and rays follow from the options, how full the matrix will be from [`Density`]. Seconds
+//! are rays × (a + b log₂ faces), and for everything that goes through memory, bytes × passes; the constants
+//! were fitted on two cores of an AMD EPYC (Zen) and are divided by the number of threads where work is
+//! shared. On another machine they are off by a factor that is about the same for all stages.
 
 use serde::Serialize;
 
@@ -130,7 +130,8 @@ const FACTORING: f64 = 5e10;
 const FACE_READ: f64 = 1100.0;
 const FACE_BUILT: f64 = 430.0;
 const PATCH_WRITTEN: f64 = 5000.0;
-/// Nanoseconds of one thread for a pixel, its rays, and how many more of them mirrors and glass make where all see them.
+/// Nanoseconds of one thread for a pixel, its rays, and how many more of them mirrors and glass make where
+/// all see them.
 const PIXEL: f64 = 400.0;
 const PIXEL_RAYS: f64 = 2.5;
 const PIXEL_CARRIED: f64 = 20.0;
@@ -295,7 +296,8 @@ impl Forecast {
         }
     }
 
-    /// All stages together: rays, seconds, and the bytes of what is held at once: rays and matrix, or matrix and factors.
+    /// All stages together: rays, seconds, and the bytes of what is held at once: rays and matrix, or matrix
+    /// and factors.
     pub fn total(&self) -> Cost {
         let of = |names: &[&str]| -> u64 {
             self.stages.iter().filter(|s| names.contains(&s.name)).map(|s| s.cost.bytes).sum()
@@ -306,7 +308,8 @@ impl Forecast {
     }
 }
 
-/// The part of diffuse surfaces that is coated, and the part of rays, landing anywhere on these, that coats reflect.
+/// The part of diffuse surfaces that is coated, and the part of rays, landing anywhere on these, that coats
+/// reflect.
 fn coated_shares(tracer: &Tracer) -> [f64; 2] {
     if !tracer.has_facets() {
         return [0.0; 2];
@@ -349,7 +352,8 @@ fn orders_for(reflected: f64, tolerance: f64) -> f64 {
     (tolerance.max(1e-15).ln() / reflected.ln()).ceil().max(1.0)
 }
 
-/// Number of channels whose reflectances or transmittances differ from those of all before: each is factored by itself.
+/// Number of channels whose reflectances or transmittances differ from those of all before: each is factored
+/// by itself.
 fn distinct_reflectances(scene: &Scene) -> usize {
     let alike = |a: usize, b: usize| {
         let same = |colour: &[f64]| colour[a] == colour[b];

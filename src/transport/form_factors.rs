@@ -27,8 +27,9 @@ pub enum Keep {
 /// Whether rays look for what stands between surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Occlusion {
-    /// Not where the scene is empty and convex seen from inside: there form factors between polygons are exact without rays. This is for constant
-    /// elements of no more than 10 000 patches, stored densely, of which no number of rays is asked for and none are to be kept.
+    /// Not where the scene is empty and convex seen from inside: there form factors between polygons are
+    /// exact without rays. This is for constant elements of no more than 10 000 patches, stored densely, of
+    /// which no number of rays is asked for and none are to be kept.
     #[default]
     WhereNeeded,
     /// In any case.
@@ -38,16 +39,16 @@ pub enum Occlusion {
 /// How to trace form factors.
 #[derive(Clone, Copy, Debug)]
 pub struct TraceOptions<'a> {
-    /// Rays per patch, rounded up to a multiple of 8; `None` for [`TraceOptions::usual_rays`]. Noise falls about as
-    /// rays^-0.6, time grows in proportion.
+    /// Rays per patch, rounded up to a multiple of 8; `None` for [`TraceOptions::usual_rays`]. Noise falls
+    /// about as rays^-0.6, time grows in proportion.
     pub rays: Option<u32>,
-    /// Shadow rays per patch towards lamps, rounded up to a multiple of 8; `None` for half of `rays`, 0 for none. They
-    /// settle direct light.
+    /// Shadow rays per patch towards lamps, rounded up to a multiple of 8; `None` for half of `rays`, 0 for
+    /// none. They settle direct light.
     pub lamp_rays: Option<u32>,
     /// Number of the random sequence. The same seed gives the same bits.
     pub seed: u64,
-    /// How light varies over a patch. Linear elements take the same rays, thrice the unknowns, and two to four times the bytes
-    /// and the time per pass of constant ones.
+    /// How light varies over a patch. Linear elements take the same rays, thrice the unknowns, and two to
+    /// four times the bytes and the time per pass of constant ones.
     pub basis: Basis,
     /// Whether rays look for what stands between surfaces.
     pub occlusion: Occlusion,
@@ -140,8 +141,8 @@ impl TraceOptions<'_> {
         }
         let (n, rays) = (patches as u64, rays as u64);
         let (matrix, per_ray) = match self.basis {
-            // Landings, 4 bytes each twice over while they are sorted; at most two entries of 8 bytes a landing while a
-            // sparse matrix is put together.
+            // Landings, 4 bytes each twice over while they are sorted; at most two entries of 8 bytes a
+            // landing while a sparse matrix is put together.
             Basis::Constant => {
                 let (dense, sparse) = (4 * n * n, 16 * n * rays.min(n));
                 let matrix = match self.storage {
@@ -165,8 +166,8 @@ impl TraceOptions<'_> {
         Ok(())
     }
 
-    /// Rays per patch where none are asked for: 512, and fewer from 16384 patches on, but never less than 64, for a face that is
-    /// cut into many patches averages their noise.
+    /// Rays per patch where none are asked for: 512, and fewer from 16384 patches on, but never less than 64,
+    /// for a face that is cut into many patches averages their noise.
     pub fn usual_rays(patches: usize) -> u32 {
         ((1 << 22) / patches.max(1)).clamp(64, 512).next_power_of_two() as u32
     }
@@ -187,8 +188,8 @@ pub struct FormFactors {
 }
 
 impl FormFactors {
-    /// Traces form factors by cosine-distributed rays and balances them; in an empty convex scene finds them exactly, without rays
-    /// ([`Occlusion`]).
+    /// Traces form factors by cosine-distributed rays and balances them; in an empty convex scene finds them
+    /// exactly, without rays ([`Occlusion`]).
     ///
     /// Sides that no probe found but a ray now lands on are added to `patches`.
     ///
@@ -236,7 +237,8 @@ impl FormFactors {
         self.exchange().basis()
     }
 
-    /// Symmetric exchange areas S_ij = A_i F_ij, normalised frame; of the first channel, where coloured carriers make channels differ.
+    /// Symmetric exchange areas S_ij = A_i F_ij, normalised frame; of the first channel, where coloured
+    /// carriers make channels differ.
     pub fn exchange(&self) -> &Exchange {
         &self.exchanges[0]
     }
@@ -265,7 +267,8 @@ impl FormFactors {
         Self { exchanges, tones: self.tones.clone(), rays: self.rays, rows: None, disagreements: Vec::new() }
     }
 
-    /// The form factors between patches with constant elements on each, as a mean over what linear ones find; `None` where they are that already.
+    /// The form factors between patches with constant elements on each, as a mean over what linear ones find;
+    /// `None` where they are that already.
     pub fn by_patch(&self) -> Option<Self> {
         let each = self.basis().coefficients();
         let patch_of: Vec<usize> = (0..self.exchange().len()).map(|k| k / each).collect();
@@ -306,8 +309,9 @@ impl FormFactors {
         self.rows
     }
 
-    /// The pairs of face sides whose two directions found different exchange areas, by more than [`DISAGREE`](super::DISAGREE) standard
-    /// errors, the worst first: something is wrong with the mesh there. None where rays were not traced.
+    /// The pairs of face sides whose two directions found different exchange areas, by more than
+    /// [`DISAGREE`](super::DISAGREE) standard errors, the worst first: something is wrong with the mesh
+    /// there. None where rays were not traced.
     pub fn disagreements(&self) -> &[Disagreement] {
         &self.disagreements
     }

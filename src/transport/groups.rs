@@ -1,9 +1,10 @@
 //! Groups: form factors between faces, materials or objects, with standard errors.
 //!
-//! F_ab = Σ_{i∈a} Σ_{j∈b} S_ij / Σ_{i∈a} A_i, by the jackknife over batches of rays: everything, balancing included, is done again
-//! without each batch in turn. The spread of what comes out gives the standard error (Tukey 1958); its mean, the bias that
-//! scales which depend on the same noisy rays leave behind, which is taken off (Quenouille 1956): F = 8 F(all) − 7 mean F(all but
-//! one). That is linear, so what closes and what is reciprocal stays so.
+//! F_ab = Σ_{i∈a} Σ_{j∈b} S_ij / Σ_{i∈a} A_i, by the jackknife over batches of rays: everything, balancing
+//! included, is done again without each batch in turn. The spread of what comes out gives the standard error
+//! (Tukey 1958); its mean, the bias that scales which depend on the same noisy rays leave behind, which is
+//! taken off (Quenouille 1956): F = 8 F(all) − 7 mean F(all but one). That is linear, so what closes and what
+//! is reciprocal stays so.
 //!
 //! Where few rays or none went from a to b or back, batches cannot tell the noise. A ray between patches i
 //! and j is worth w_ij = A_i A_j / ((A_i + A_j) N) of exchange area, so on average S_ij / w_ij of them land,
@@ -87,8 +88,8 @@ fn worth(here: f64, there: f64, rays: f64) -> f64 {
 type Sums = Vec<Vec<(usize, f64)>>;
 
 impl FormFactors {
-    /// Form factors between groups of patches, in the first channel where coloured carriers make channels differ; those that are zero are
-    /// left out. `group_of` names each patch's group, from 0.
+    /// Form factors between groups of patches, in the first channel where coloured carriers make channels
+    /// differ; those that are zero are left out. `group_of` names each patch's group, from 0.
     ///
     /// # Errors
     /// `Cancelled`; `NoRays` unless the rays were kept.

@@ -1,17 +1,21 @@
 //! Lamp columns: the form factors from a patch to lamps, by light sampling.
 //!
-//! M points y drawn on lamps are paired with points x on the patch, with density p; where the lamp is near, x is drawn by the solid angle seen from y. A pair with geometry term g and emitted
-//! radiance Lₑ weighs w = Lₑ g/p, whether or not its points see each other; the mean weight estimates what Lambert's formula gives
-//! exactly, the unoccluded light U, averaged over the patch. So each pair on lamp patch j whose points do see each other is worth
+//! M points y drawn on lamps are paired with points x on the patch, with density p; where the lamp is near, x
+//! is drawn by the solid angle seen from y. A pair with geometry term g and emitted radiance Lₑ weighs w = Lₑ
+//! g/p, whether or not its points see each other; the mean weight estimates what Lambert's formula gives
+//! exactly, the unoccluded light U, averaged over the patch. So each pair on lamp patch j whose points do see
+//! each other is worth
 //!
 //! (U / Σw) · g/p
 //!
-//! of the form factor to j; under a coat, times (1 − E)/(1 − Ē) of the angle. Where nothing is hidden or coated the light of all lamps is exact. A ratio of two means is biased by some 1/M of
-//! their spread; leaving out each batch of pairs in turn (Quenouille 1956) takes that off, to less than 0.1 % (the tests measure
-//! it).
+//! of the form factor to j; under a coat, times (1 − E)/(1 − Ē) of the angle. Where nothing is hidden or
+//! coated the light of all lamps is exact. A ratio of two means is biased by some 1/M of their spread;
+//! leaving out each batch of pairs in turn (Quenouille 1956) takes that off, to less than 0.1 % (the tests
+//! measure it).
 //!
-//! Rays find lamps too, each hit worth 1/N. The two estimates are averaged with weights that are inverse to their variances, as
-//! far as these can be told beforehand: F/N for rays, F²(1 + κ)/4M for light sampling, with κ the relative variance of the weights.
+//! Rays find lamps too, each hit worth 1/N. The two estimates are averaged with weights that are inverse to
+//! their variances, as far as these can be told beforehand: F/N for rays, F²(1 + κ)/4M for light sampling,
+//! with κ the relative variance of the weights.
 
 use crate::patches::{Basis, Facet, Patches};
 use crate::scene::Side;
@@ -36,10 +40,12 @@ pub(super) struct LampShare {
 pub(super) struct Look {
     /// By batch, then lamp patch.
     pub shares: Vec<LampShare>,
-    /// Each share once more, split by pairs of basis functions, first the receiver's; nothing for constant elements.
+    /// Each share once more, split by pairs of basis functions, first the receiver's; nothing for constant
+    /// elements.
     pub moments: Vec<[f32; 9]>,
-    /// By how much more than an eighth of all weight fell to each batch, relative to that, as far as shares are taken from pairs: where
-    /// the light of all lamps is known, so much more of a batch's share is chance.
+    /// By how much more than an eighth of all weight fell to each batch, relative to that, as far as shares
+    /// are taken from pairs: where the light of all lamps is known, so much more of a batch's share is
+    /// chance.
     pub excess: [f32; BATCHES as usize],
 }
 
@@ -104,7 +110,8 @@ pub(super) fn look_at_lamps(
     }
     // Scale the pairs to the unoccluded light, where that is known.
     let (m, n) = (count.lamp_rays as f64, count.rays as f64);
-    // A lamp may be seen from between the points of Lambert's formula only: then the pairs have to do by themselves.
+    // A lamp may be seen from between the points of Lambert's formula only: then the pairs have to do by
+    // themselves.
     let known = view.unoccluded.filter(|&light| light > 0.0);
     let scales = known.map_or([1.0; BATCHES as usize], |light| batch_scales(light * m, &bright));
     // Weigh the two estimates against each other.
@@ -126,8 +133,9 @@ pub(super) fn look_at_lamps(
     Look { shares, moments, excess }
 }
 
-/// By what the pairs of each batch are multiplied, so that those of all batches together weigh `whole` and visible ones among
-/// them estimate their part of it without bias of first order: the jackknife of whole·(Σ visible / Σ all).
+/// By what the pairs of each batch are multiplied, so that those of all batches together weigh `whole` and
+/// visible ones among them estimate their part of it without bias of first order: the jackknife of whole·(Σ
+/// visible / Σ all).
 fn batch_scales(whole: f64, weights: &[f64; BATCHES as usize]) -> [f64; BATCHES as usize] {
     let total: f64 = weights.iter().sum();
     if total == 0.0 {

@@ -8,11 +8,12 @@ const MOST_STEPS: usize = 64;
 /// Steps between two looks at how far it has come.
 const LOOK: usize = 8;
 
-/// It is far enough when an end's distance from 1 changes by less than this share of itself between two looks.
+/// It is far enough when an end's distance from 1 changes by less than this share of itself between two
+/// looks.
 const SETTLED: f64 = 0.2;
 
-/// The least and the greatest eigenvalue of a symmetric matrix per column of `start`, from inside: *estimated*. `apply` is the
-/// product with the matrix; all columns of `start` go through it in one pass.
+/// The least and the greatest eigenvalue of a symmetric matrix per column of `start`, from inside:
+/// *estimated*. `apply` is the product with the matrix; all columns of `start` go through it in one pass.
 ///
 /// # Errors
 /// Those of `apply`.

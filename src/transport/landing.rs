@@ -1,4 +1,5 @@
-//! Landing: where a ray ended; and where one left a patch and met another, for elements that vary over a patch.
+//! Landing: where a ray ended; and where one left a patch and met another, for elements that vary over a
+//! patch.
 
 use bytemuck::{Pod, Zeroable};
 

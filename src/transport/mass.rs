@@ -1,8 +1,8 @@
 //! Mass: the matrix M_(ia)(ib) = ∫ φ_a φ_b dA of the basis functions, one small block per patch.
 //!
-//! A for constant elements. For linear ones A/12 (J + I) with J the matrix of ones; its eigenvalues are A/3 (once, for what is
-//! constant) and A/12 (twice, for what varies), so that M⁻¹ = 3/A (4I − J) and M^(−½) = √(12/A) (I − J/6). All of it follows
-//! from the basis and from M·1, the vector of A or of A/3.
+//! A for constant elements. For linear ones A/12 (J + I) with J the matrix of ones; its eigenvalues are A/3
+//! (once, for what is constant) and A/12 (twice, for what varies), so that M⁻¹ = 3/A (4I − J) and M^(−½) =
+//! √(12/A) (I − J/6). All of it follows from the basis and from M·1, the vector of A or of A/3.
 
 use nalgebra::{DMatrix, DVector, DVectorView};
 

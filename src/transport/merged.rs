@@ -9,8 +9,9 @@ use super::mass::Mass;
 use super::storage::Storage;
 
 impl Exchange {
-    /// The exchange areas S_IJ = Σ S_(ia)(jb) between groups of patches, with constant elements on each: what rays would have found on so
-    /// coarse a cut. Symmetric and closed as these are. `group_of` names each coefficient's group, from 0.
+    /// The exchange areas S_IJ = Σ S_(ia)(jb) between groups of patches, with constant elements on each: what
+    /// rays would have found on so coarse a cut. Symmetric and closed as these are. `group_of` names each
+    /// coefficient's group, from 0.
     ///
     /// # Panics
     /// If there is not one group per coefficient, or one is `groups` or more.

@@ -1,8 +1,9 @@
-//! Transport: form factors, exchange areas and the operator K = diag(ρ) F, or R F with [sheets](Reflection) that let light through.
+//! Transport: form factors, exchange areas and the operator K = diag(ρ) F, or R F with [sheets](Reflection)
+//! that let light through.
 //!
-//! [`FormFactors`] are geometry only: which fraction of what a patch sends out lands on each other patch. [`Transport`] adds
-//! the reflectances and is the operator that the solvers invert. The two stay apart so that other reflectances,
-//! lamps and lamp powers cost no rays.
+//! [`FormFactors`] are geometry only: which fraction of what a patch sends out lands on each other patch.
+//! [`Transport`] adds the reflectances and is the operator that the solvers invert. The two stay apart so
+//! that other reflectances, lamps and lamp powers cost no rays.
 
 mod agreement;
 mod assembly;

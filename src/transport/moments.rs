@@ -1,5 +1,5 @@
-//! Moments: assembly for linear elements, S_(ia)(jb) = ½ (A_i E[φ_a φ_b] + A_j E[φ_a φ_b]) with φ_a where a ray left i and φ_b where it
-//! landed on j, from the same rays as for constant ones.
+//! Moments: assembly for linear elements, S_(ia)(jb) = ½ (A_i E[φ_a φ_b] + A_j E[φ_a φ_b]) with φ_a where a
+//! ray left i and φ_b where it landed on j, from the same rays as for constant ones.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;

@@ -11,8 +11,8 @@ use crate::patches::{Basis, Patches};
 use crate::trace::Tracer;
 
 impl FormFactors {
-    /// Adds the rays of `options` to those that each patch has sent: half the noise for four times as many in all. The seed must be another. For
-    /// constant elements.
+    /// Adds the rays of `options` to those that each patch has sent: half the noise for four times as many in
+    /// all. The seed must be another. For constant elements.
     ///
     /// # Errors
     /// `NoRays` unless the rays were kept; else as [`FormFactors::trace`].

@@ -1,4 +1,5 @@
-//! The transport operator K = R F, one bounce of light: R turns what arrives into what leaves, and is diag(ρ) but for sheets that let light through.
+//! The transport operator K = R F, one bounce of light: R turns what arrives into what leaves, and is diag(ρ)
+//! but for sheets that let light through.
 
 use std::f64::consts::PI;
 
@@ -12,9 +13,11 @@ use crate::patches::{Basis, Patches, Sheets};
 /// What rounding may add to shares that come to 1.
 const ROUNDING: f64 = 1e-12;
 
-/// The transport operator K: form factors with a reflectance for every patch and channel, and with what comes through sheets.
+/// The transport operator K: form factors with a reflectance for every patch and channel, and with what comes
+/// through sheets.
 ///
-/// It acts on coefficients, N × c: N is the number of patches n, or 3n for linear elements, where F stands for M⁻¹S.
+/// It acts on coefficients, N × c: N is the number of patches n, or 3n for linear elements, where F stands
+/// for M⁻¹S.
 #[derive(Clone, Debug)]
 pub struct Transport<'f> {
     factors: &'f FormFactors,
@@ -26,7 +29,8 @@ impl<'f> Transport<'f> {
     /// Joins form factors and what patches do with light: reflectances ρ (n × c), perhaps with sheets.
     ///
     /// # Errors
-    /// `Unsolvable` if some set of patches sees only itself and reflects everything; the sets' patches are named by number.
+    /// `Unsolvable` if some set of patches sees only itself and reflects everything; the sets' patches are
+    /// named by number.
     ///
     /// # Panics
     /// If there are not n reflectances, if a ρ or τ lies outside 0 to 1, or if they come to more than 1.
@@ -149,7 +153,8 @@ impl<'f> Transport<'f> {
         irradiance
     }
 
-    /// Radiance that leaves where irradiance H arrives, N × c: ρ H / π, and τ H / π on the other side of a sheet; see [`Reflection`].
+    /// Radiance that leaves where irradiance H arrives, N × c: ρ H / π, and τ H / π on the other side of a
+    /// sheet; see [`Reflection`].
     pub fn reflect(&self, irradiance: &DMatrix<f64>) -> DMatrix<f64> {
         self.reflection.reflect(irradiance)
     }
@@ -159,8 +164,8 @@ impl<'f> Transport<'f> {
         y.copy_from(&self.reflect(&self.irradiance(x)));
     }
 
-    /// The largest entry of K·1 per channel: the largest share of what arrives anywhere, from all sides alike, that goes on. For
-    /// constant elements K ≥ 0, and this is ‖K‖∞.
+    /// The largest entry of K·1 per channel: the largest share of what arrives anywhere, from all sides
+    /// alike, that goes on. For constant elements K ≥ 0, and this is ‖K‖∞.
     pub fn norm(&self) -> Vec<f64> {
         let mut sums = DMatrix::zeros(self.len(), self.channels());
         self.apply(&DMatrix::repeat(self.len(), self.channels(), 1.0), &mut sums);

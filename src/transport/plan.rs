@@ -14,7 +14,8 @@ pub struct Effect {
     pub on: bool,
     /// Why, in a few words.
     pub reason: String,
-    /// What it is predicted to cost: what would be saved without it. Nothing where it is off, or before [`Plan::foretold`].
+    /// What it is predicted to cost: what would be saved without it. Nothing where it is off, or before
+    /// [`Plan::foretold`].
     #[serde(flatten)]
     pub cost: Cost,
 }

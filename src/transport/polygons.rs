@@ -1,12 +1,13 @@
 //! Polygons: exact exchange areas between triangles that see all of each other, without a ray.
 //!
-//! A_i F_ij = ∫∫ cos θ cos θ′ / (π r²) dA dA. Well apart the integrand is smooth, and Gauss' rules on both triangles (Dunavant 1985)
-//! do. Near each other the double contour integral is taken (Lambert 1760; Schröder & Hanrahan 1993),
+//! A_i F_ij = ∫∫ cos θ cos θ′ / (π r²) dA dA. Well apart the integrand is smooth, and Gauss' rules on both
+//! triangles (Dunavant 1985) do. Near each other the double contour integral is taken (Lambert 1760; Schröder
+//! & Hanrahan 1993),
 //!
 //! A_i F_ij = 1/2π ∮∮ ln r dr·dr′,
 //!
-//! along the edges of both: over the second edge in closed form, over the first by Gauss' rule on pieces that shrink towards the ends
-//! of the second, where the integrand has a kink if edges touch.
+//! along the edges of both: over the second edge in closed form, over the first by Gauss' rule on pieces that
+//! shrink towards the ends of the second, where the integrand has a kink if edges touch.
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -26,7 +27,8 @@ use crate::trace::{Enclosure, Tracer};
 const THREE_DO: f64 = 12.0;
 const SIX_DO: f64 = 4.0;
 
-/// Points of the rules as weights of the triangle's last two corners, and what each is worth; exact to degree 2 and 4.
+/// Points of the rules as weights of the triangle's last two corners, and what each is worth; exact to degree
+/// 2 and 4.
 const THREE: [[f64; 3]; 3] = {
     let (a, b, w) = (1.0 / 6.0, 2.0 / 3.0, 1.0 / 3.0);
     [[a, a, w], [a, b, w], [b, a, w]]
@@ -182,8 +184,8 @@ fn logarithm(p: DVec3, [a, b]: [DVec3; 2]) -> f64 {
     upto(start + length) - upto(start)
 }
 
-/// The exact exchange areas of an empty convex scene. What fronts do not send to each other escapes through its gaps; backs see
-/// nothing.
+/// The exact exchange areas of an empty convex scene. What fronts do not send to each other escapes through
+/// its gaps; backs see nothing.
 ///
 /// # Errors
 /// `Cancelled`.
@@ -258,7 +260,8 @@ mod tests {
         2.0 / (PI * x * y) * (logarithm + arctans)
     }
 
-    /// Howell C-14: rectangles at a right angle with a common edge; h and w are the sides of the second and the first by that edge.
+    /// Howell C-14: rectangles at a right angle with a common edge; h and w are the sides of the second and
+    /// the first by that edge.
     fn perpendicular(h: f64, w: f64) -> f64 {
         let (hh, ww) = (h * h, w * w);
         let both = hh + ww;

@@ -1,7 +1,8 @@
 //! Rays: the raw material of form factors, where each patch's rays land.
 //!
-//! Every patch sends N cosine-distributed rays; each that lands on j is worth F = 1/N there. Rows name slots, not
-//! patches: what was traced once stays good when other lamps or reflectances make other slots into patches.
+//! Every patch sends N cosine-distributed rays; each that lands on j is worth F = 1/N there. Rows name slots,
+//! not patches: what was traced once stays good when other lamps or reflectances make other slots into
+//! patches.
 
 use std::ops::Range;
 
@@ -119,8 +120,8 @@ impl Rows {
         self.rows.binary_search_by_key(&slot, |row| row.slot).ok().map(|k| &self.rows[k])
     }
 
-    /// Traces the rays of every patch. A side that light turns out to reach after all becomes a patch, and its rays
-    /// are traced too.
+    /// Traces the rays of every patch. A side that light turns out to reach after all becomes a patch, and
+    /// its rays are traced too.
     pub fn trace(
         tracer: &Tracer,
         patches: &mut Patches,
@@ -218,8 +219,9 @@ fn trace_row(
     row
 }
 
-/// Where a ray ends, and in which tones, carriers passed by the random numbers that follow those it was sent by. Whether a carrier absorbs
-/// it is decided by chance, the same for all tones, so that what lands has all its weight.
+/// Where a ray ends, and in which tones, carriers passed by the random numbers that follow those it was sent
+/// by. Whether a carrier absorbs it is decided by chance, the same for all tones, so that what lands has all
+/// its weight.
 #[inline]
 pub(super) fn end_of(
     tracer: &Tracer,

@@ -1,8 +1,9 @@
 //! Receivers: rows without columns, the irradiance of points that are no patches.
 //!
-//! Each point sends cosine-distributed rays and looks straight at lamps; the two are joined by the balance heuristic (Veach & Guibas
-//! 1995, eq. 14). Such rays find the sky by way of mirrors, metals and glass, too; what lights without area send that way is caught as it crosses the
-//! cell around a point. What comes of it is a row of form factors to patches, which any radiance on them turns into irradiance.
+//! Each point sends cosine-distributed rays and looks straight at lamps; the two are joined by the balance
+//! heuristic (Veach & Guibas 1995, eq. 14). Such rays find the sky by way of mirrors, metals and glass, too;
+//! what lights without area send that way is caught as it crosses the cell around a point. What comes of it
+//! is a row of form factors to patches, which any radiance on them turns into irradiance.
 
 use std::f64::consts::PI;
 
@@ -105,12 +106,14 @@ struct Gather<'a, 's> {
 }
 
 impl Gather<'_, '_> {
-    /// The row of a point, for each tone; adds what its rays find of the sky by way of carriers to its direct light.
+    /// The row of a point, for each tone; adds what its rays find of the sky by way of carriers to its direct
+    /// light.
     fn row(&self, point: DVec3, place: u32, direct: &mut [f64]) -> Vec<Vec<(u32, f64)>> {
         let view = self.lamps.view_from(point, (&[point], self.normal));
         let frame = frame_around(self.normal);
         let rays = f64::from(self.rays);
-        // Density of all samples on a lamp's point, per unit of normalised area: rays find it with density g, lamp samples with p.
+        // Density of all samples on a lamp's point, per unit of normalised area: rays find it with density g,
+        // lamp samples with p.
         let share = |g: f64, p: f64| g / (rays * (g + p));
         let mut rows = vec![Vec::new(); self.tones.len()];
         let mut colour = vec![1.0; self.tones.len()];

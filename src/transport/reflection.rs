@@ -1,6 +1,7 @@
 //! Reflection: the one function by which surfaces turn the light that arrives into the light that leaves.
 //!
-//! On a patch of reflectance ρ what arrives leaves as L = ρH/π. On the two sides of a sheet of transmittance τ it leaves as
+//! On a patch of reflectance ρ what arrives leaves as L = ρH/π. On the two sides of a sheet of transmittance
+//! τ it leaves as
 //!
 //! L_front = (ρ_front H_front + τ H_back)/π and L_back = (ρ_back H_back + τ H_front)/π.
 

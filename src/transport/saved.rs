@@ -1,9 +1,10 @@
 //! Saved form factors: a file that spares tracing and balancing anew.
 //!
-//! It holds the rows of rays, the balanced exchange areas, and what they are tied to: a hash of the geometry, the cut, and which
-//! faces could send out light. Reflectances and emissions are not part of it. Numbers are little-endian. There are two sections,
-//! each with its length in front and its checksum behind: the exchange areas, which are always read, and the rows, which are
-//! read only when something must be traced or balanced anew.
+//! It holds the rows of rays, the balanced exchange areas, and what they are tied to: a hash of the geometry,
+//! the cut, and which faces could send out light. Reflectances and emissions are not part of it. Numbers are
+//! little-endian. There are two sections, each with its length in front and its checksum behind: the exchange
+//! areas, which are always read, and the rows, which are read only when something must be traced or balanced
+//! anew.
 
 use std::io::{self, Read, Seek, Write};
 
@@ -64,8 +65,9 @@ impl FormFactors {
         section.write(to)?;
         rows_section(rows).write(to)
     }
-    /// Reads form factors of a scene whose lamps, powers and reflectances may have changed since, and traces what is missing: rows of
-    /// sides that light newly reaches, columns of lamps that are newly lit. Cut, rays, basis and seed are the file's.
+    /// Reads form factors of a scene whose lamps, powers and reflectances may have changed since, and traces
+    /// what is missing: rows of sides that light newly reaches, columns of lamps that are newly lit. Cut,
+    /// rays, basis and seed are the file's.
     ///
     /// # Errors
     /// `File`, and those of [`FormFactors::trace`].

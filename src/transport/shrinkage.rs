@@ -1,12 +1,13 @@
 //! Shrinkage: keeps noise from making light out of nothing.
 //!
-//! A bounce must not add energy: the eigenvalues of M^(−½) S M^(−½) lie between −1 and 1. For constant elements S ≥ 0 and closed rows
-//! see to that. For linear ones they only do so with M·1 in the place of M, which is four times M for what varies within
-//! patches; where rays are few, or patches wide beside the gap to what they face, noise may carry eigenvalues over 1.
+//! A bounce must not add energy: the eigenvalues of M^(−½) S M^(−½) lie between −1 and 1. For constant
+//! elements S ≥ 0 and closed rows see to that. For linear ones they only do so with M·1 in the place of M,
+//! which is four times M for what varies within patches; where rays are few, or patches wide beside the gap
+//! to what they face, noise may carry eigenvalues over 1.
 //!
-//! With T = J/3 + τ (I − J/3) on every patch, which takes what varies within it by the factor τ, T S T is as symmetric,
-//! non-negative and closed as S is. For τ = ½ it never exceeds M, since T diag(M·1) T = M; for τ = 1 nothing is lost. So the largest τ
-//! between the two is taken that does; with enough rays it is 1.
+//! With T = J/3 + τ (I − J/3) on every patch, which takes what varies within it by the factor τ, T S T is as
+//! symmetric, non-negative and closed as S is. For τ = ½ it never exceeds M, since T diag(M·1) T = M; for τ =
+//! 1 nothing is lost. So the largest τ between the two is taken that does; with enough rays it is 1.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -21,8 +22,8 @@ const SLACK: f64 = 1e-7;
 /// What varies is taken by no less than this factor.
 const LEAST: f64 = 0.5;
 
-/// The largest τ for which no eigenvalue of M^(−½) T S T M^(−½) is *estimated* to lie outside of ±1, and no less than ½, for which
-/// that is *guaranteed*; S = D `storage` D.
+/// The largest τ for which no eigenvalue of M^(−½) T S T M^(−½) is *estimated* to lie outside of ±1, and no
+/// less than ½, for which that is *guaranteed*; S = D `storage` D.
 pub(super) fn needed(
     storage: &Storage,
     scale: &DVector<f64>,

@@ -1,12 +1,14 @@
 //! Solvability: light must be able to end somewhere. Slack does not count: what rows lack is missing from the
-//! numbers, not absorbed in the scene. A row without any entry traps nothing, though: what it lacks is all of it.
+//! numbers, not absorbed in the scene. A row without any entry traps nothing, though: what it lacks is all of
+//! it.
 
 use super::{Exchange, Transport};
 
 /// A share that rounding alone can leave of nothing.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// A set of coefficients' patches that sees only itself, lets nothing out and absorbs nothing in some channel, if there is one.
+/// A set of coefficients' patches that sees only itself, lets nothing out and absorbs nothing in some
+/// channel, if there is one.
 pub(super) fn trapped(k: &Transport) -> Option<Vec<usize>> {
     let passed_on = k.passed_on();
     (0..k.channels()).find_map(|channel| {

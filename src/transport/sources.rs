@@ -1,7 +1,9 @@
-//! Sources: what the right-hand side E = Lₑ + ρH₀/π is made of: emitted radiance, and irradiance by lights without area.
+//! Sources: what the right-hand side E = Lₑ + ρH₀/π is made of: emitted radiance, and irradiance by lights
+//! without area.
 //!
-//! For each patch and light H₀ is the mean over the patch of what the light sends, times the share that nothing hides. Where the mean of the
-//! geometry alone is known, the rays only have to tell that share, weighted by what each would bring: so an unhidden point light is exact.
+//! For each patch and light H₀ is the mean over the patch of what the light sends, times the share that
+//! nothing hides. Where the mean of the geometry alone is known, the rays only have to tell that share,
+//! weighted by what each would bring: so an unhidden point light is exact.
 
 use std::f64::consts::PI;
 
@@ -25,8 +27,8 @@ pub struct LightOptions<'a> {
     pub rays: u32,
     /// Number of the random sequence. The same seed gives the same bits.
     pub seed: u64,
-    /// Whether lights and the sky shoot rays at mirrors, metals and glass. Without, only what rays of patches find of the sky comes by way of
-    /// these.
+    /// Whether lights and the sky shoot rays at mirrors, metals and glass. Without, only what rays of patches
+    /// find of the sky comes by way of these.
     pub caustics: Shots,
     /// Where to report progress, as stage `light`.
     pub progress: Progress<'a>,
@@ -46,10 +48,11 @@ pub struct Sources {
     pub emitted: DMatrix<f64>,
     /// Irradiance H₀ by lights without area and the sky, W·m⁻²; none where a scene has none.
     pub direct: Option<DMatrix<f64>>,
-    /// By how much more H₀ each eighth of the rays towards lights would have found by itself: eight samples of its noise, N × c, W·m⁻²; none
-    /// where there are no such lights.
+    /// By how much more H₀ each eighth of the rays towards lights would have found by itself: eight samples
+    /// of its noise, N × c, W·m⁻²; none where there are no such lights.
     pub spread: Vec<DMatrix<f64>>,
-    /// What of H₀ comes by way of mirrors, metals and glass; none where a scene has none of these, or no such lights.
+    /// What of H₀ comes by way of mirrors, metals and glass; none where a scene has none of these, or no such
+    /// lights.
     pub carried: Option<CarriedLight>,
     /// Where the light of lamps goes, if what arrives of it is a part of H₀; none where lamps are left to
     /// form factors.
@@ -158,8 +161,8 @@ impl<const N: usize> Parts<N> {
         self.seen[part].iter_mut().zip(phi).for_each(|(sum, phi)| *sum += weight * phi);
     }
 
-    /// What all bring; then by how much more each part would bring in the place of all, where a part of more weight is not taken for one that
-    /// sees more.
+    /// What all bring; then by how much more each part would bring in the place of all, where a part of more
+    /// weight is not taken for one that sees more.
     fn sums(&self) -> [[f64; N]; 1 + PARTS] {
         let all: [f64; N] = std::array::from_fn(|a| self.seen.iter().map(|seen| seen[a]).sum());
         let whole: f64 = self.whole.iter().sum();
@@ -183,8 +186,8 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Adds ∫ φ_a H₀ dA over a patch to `moments`, a row of channels for each of the basis functions `phi`; and after that, for each part of
-    /// the rays, by how much more it finds.
+    /// Adds ∫ φ_a H₀ dA over a patch to `moments`, a row of channels for each of the basis functions `phi`;
+    /// and after that, for each part of the rays, by how much more it finds.
     fn add_moments<const N: usize>(
         &self,
         patch: usize,
@@ -251,8 +254,8 @@ impl Look<'_> {
         self.rays.div_ceil(4)
     }
 
-    /// What rays from a patch to a light find, each weighted by what it would bring if nothing stood in its way; `mean` is the light's
-    /// mean density there, if known.
+    /// What rays from a patch to a light find, each weighted by what it would bring if nothing stood in its
+    /// way; `mean` is the light's mean density there, if known.
     fn seen_of<const N: usize>(
         &self,
         light: usize,

@@ -1,12 +1,15 @@
-//! Spread: by how much each batch of rays, taken by itself, would change the irradiance that a field of light causes.
+//! Spread: by how much each batch of rays, taken by itself, would change the irradiance that a field of light
+//! causes.
 //!
-//! Rays come in independent batches, and exchange areas are the mean of what these found: S = (1/8) Σ_b S_b. So (S_b − S) L is a sample of the
-//! noise in S L. It is taken from the rays themselves, without making S_b. To first order in the noise the scales D follow it: where
-//! a batch's row sums are off by g, balancing puts them right by u with (A + S) u = −g. Of that system, as of what u does to other rows, only what
-//! varies slowly from patch to patch has to be solved, and that is done between a few hundred clusters of
-//! patches. Scales of rows with slack are at their bound and stay there: u = 0.
+//! Rays come in independent batches, and exchange areas are the mean of what these found: S = (1/8) Σ_b S_b.
+//! So (S_b − S) L is a sample of the noise in S L. It is taken from the rays themselves, without making S_b.
+//! To first order in the noise the scales D follow it: where a batch's row sums are off by g, balancing puts
+//! them right by u with (A + S) u = −g. Of that system, as of what u does to other rows, only what varies
+//! slowly from patch to patch has to be solved, and that is done between a few hundred clusters of patches.
+//! Scales of rows with slack are at their bound and stay there: u = 0.
 //!
-//! Linear elements are taken for constant ones with their means: what light does within a patch changes little of the noise of the whole.
+//! Linear elements are taken for constant ones with their means: what light does within a patch changes
+//! little of the noise of the whole.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -36,9 +39,10 @@ pub struct Spread {
 }
 
 impl FormFactors {
-    /// By how much each batch of rays changes the irradiance π M⁻¹ S L that radiance L, averaged over patches (n × c), causes on average.
-    /// `by_patch` are these form factors with constant elements; `clusters` are a few hundred at most, and `merged` is what they exchange; see
-    /// [`FormFactors::by_patch`] and [`FormFactors::merged`].
+    /// By how much each batch of rays changes the irradiance π M⁻¹ S L that radiance L, averaged over patches
+    /// (n × c), causes on average. `by_patch` are these form factors with constant elements; `clusters` are a
+    /// few hundred at most, and `merged` is what they exchange; see [`FormFactors::by_patch`] and
+    /// [`FormFactors::merged`].
     ///
     /// # Errors
     /// `NoRays` unless the rays were kept, or there were none.
@@ -251,7 +255,8 @@ impl<'a> Setting<'a> {
         f64::from(BATCHES) * self.rows.caustics.worth([areas[i], areas[j]], rays, BATCHES)
     }
 
-    /// Adds what receiver i and lamp patch j exchange. Such entries have the lamp's scale alone, unless lamps fill the receiver.
+    /// Adds what receiver i and lamp patch j exchange. Such entries have the lamp's scale alone, unless lamps
+    /// fill the receiver.
     fn add_lamp(&self, lamps: &mut [Lanes], (i, j): (usize, usize), worth: f64, known: &Known) {
         let own = if known.flooded[i] { self.scale[i] } else { 1.0 };
         let worth = worth * own * self.scale[j];

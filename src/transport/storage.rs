@@ -25,8 +25,8 @@ pub enum StorageKind {
     Auto,
     /// A full matrix: 4 N² bytes.
     Dense,
-    /// What is not zero: 8 bytes an entry; for linear elements 8 bytes a ray and 40 bytes a pair of patches with several rays,
-    /// all of it twice.
+    /// What is not zero: 8 bytes an entry; for linear elements 8 bytes a ray and 40 bytes a pair of patches
+    /// with several rays, all of it twice.
     Sparse,
 }
 
@@ -151,7 +151,8 @@ fn dot(a: &[f32], b: &[f64]) -> f64 {
     lanes.iter().sum::<f64>() + tail
 }
 
-/// Rows of T in turn, `LANES` columns of x at a time, laid side by side so that an entry reads them in one go.
+/// Rows of T in turn, `LANES` columns of x at a time, laid side by side so that an entry reads them in one
+/// go.
 fn multiply_sparse<const LANES: usize>(m: &CsMatI<f32, u32, usize>, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
     let (n, channels) = x.shape();
     let starts = m.proper_indptr();
@@ -173,7 +174,8 @@ fn multiply_sparse<const LANES: usize>(m: &CsMatI<f32, u32, usize>, x: &DMatrix<
     }
 }
 
-/// Σ values · x at the indices, for each lane of x. Four sums are under way at a time: a processor adds faster than it can tell what comes out.
+/// Σ values · x at the indices, for each lane of x. Four sums are under way at a time: a processor adds
+/// faster than it can tell what comes out.
 fn sparse_dot<const LANES: usize>(indices: &[u32], values: &[f32], x: &[[f64; LANES]]) -> [f64; LANES] {
     const WAYS: usize = 4;
     let mut sums = [[0.0; LANES]; WAYS];

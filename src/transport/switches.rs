@@ -109,7 +109,8 @@ impl Switches {
         self.off.contains(&effect)
     }
 
-    /// The scene with what is switched off left out, the plan for it, and what the user should know of either.
+    /// The scene with what is switched off left out, the plan for it, and what the user should know of
+    /// either.
     pub fn apply(&self, mut scene: Scene) -> (Scene, Plan, Vec<String>) {
         let mut plan = Plan::new(&scene);
         let mut told = Vec::new();

@@ -1,4 +1,5 @@
-//! Tones: channels that all carriers treat alike. They share their exchange areas; coloured carriers make more tones than one.
+//! Tones: channels that all carriers treat alike. They share their exchange areas; coloured carriers make
+//! more tones than one.
 
 use bytemuck::{Pod, Zeroable};
 

@@ -1,8 +1,10 @@
-//! Variation: what it changes elsewhere that the light of lamps varies within a patch, to first order, without new rays.
+//! Variation: what it changes elsewhere that the light of lamps varies within a patch, to first order,
+//! without new rays.
 //!
-//! Irradiance on a patch is taken to be even. What lamps near it send to each of its parts is given by Lambert's formula, as far as they are seen; so
-//! it is known how far radiance on each part is from the mean. That arrives on lamps as far as Lambert's formula says, by reciprocity, and
-//! elsewhere where the patch's own rays land: each stands for the part that it starts on.
+//! Irradiance on a patch is taken to be even. What lamps near it send to each of its parts is given by
+//! Lambert's formula, as far as they are seen; so it is known how far radiance on each part is from the mean.
+//! That arrives on lamps as far as Lambert's formula says, by reciprocity, and elsewhere where the patch's
+//! own rays land: each stands for the part that it starts on.
 
 use std::f64::consts::PI;
 
@@ -27,8 +29,9 @@ const CUTS: usize = 8;
 const NEAR: f64 = 1.5;
 
 impl FormFactors {
-    /// How irradiance changes (n × c, W·m⁻²) where the light of lamps varies within patches that are near them, to first order, as either half of
-    /// the rays has it: the product of both estimates the square without bias. `radiance` (n × c, W·sr⁻¹·m⁻²) is that of constant elements.
+    /// How irradiance changes (n × c, W·m⁻²) where the light of lamps varies within patches that are near
+    /// them, to first order, as either half of the rays has it: the product of both estimates the square
+    /// without bias. `radiance` (n × c, W·sr⁻¹·m⁻²) is that of constant elements.
     ///
     /// # Errors
     /// `NoRays` unless the rays were kept.
@@ -126,7 +129,8 @@ impl<'a> Setting<'a> {
         parts
     }
 
-    /// Adds the irradiance that π times the radiance `beside` the mean, by parts of a patch, causes elsewhere.
+    /// Adds the irradiance that π times the radiance `beside` the mean, by parts of a patch, causes
+    /// elsewhere.
     fn send(
         &self,
         i: usize,
@@ -165,7 +169,8 @@ fn normal(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// Equal parts of a triangle, row after row along the first leg, each upright one followed by the one that stands on its head.
+/// Equal parts of a triangle, row after row along the first leg, each upright one followed by the one that
+/// stands on its head.
 fn parts_of([a, b, c]: [DVec3; 3]) -> Vec<[DVec3; 3]> {
     let at = |[i, j]: [usize; 2]| a + ((b - a) * i as f64 + (c - a) * j as f64) / CUTS as f64;
     let mut parts = Vec::with_capacity(CUTS * CUTS);

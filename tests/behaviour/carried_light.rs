@@ -100,7 +100,8 @@ fn a_point_light_over_a_mirror_is_two_lights() {
 
 #[test]
 fn the_sun_off_a_mirror_lands_where_geometry_says() {
-    // A mirror on the ground, half a metre wide, and a wall at x = 2 that faces it; the sun from the other side.
+    // A mirror on the ground, half a metre wide, and a wall at x = 2 that faces it; the sun from the other
+    // side.
     let wall = [[2.0, 0.0, -2.0], [2.0, 0.0, 2.0], [2.0, 4.0, 2.0], [2.0, 4.0, -2.0]];
     let down = DVec3::new(1.0, -1.0, 0.0).normalize();
     let scene = lit_quads(
@@ -287,8 +288,8 @@ fn skies_of_every_kind_agree_with_and_without_shots() {
     }
 }
 
-/// A room with such walls, a thick window in its roof, a mirror and a block of brushed metal in it, all coloured, and every kind of light around
-/// and within.
+/// A room with such walls, a thick window in its roof, a mirror and a block of brushed metal in it, all
+/// coloured, and every kind of light around and within.
 fn hall(wall: Material) -> Scene {
     let [left, bottom, front, right, top, back] = room([0.0; 3], [3.0; 3]);
     let roof = |x: [f64; 2], z: [f64; 2]| {

@@ -1,4 +1,5 @@
-//! Mirrors and glass, on the way between patches: closed forms, another renderer, and the path tracer's own route.
+//! Mirrors and glass, on the way between patches: closed forms, another renderer, and the path tracer's own
+//! route.
 
 use std::f64::consts::PI;
 use std::io::Cursor;
@@ -86,7 +87,8 @@ fn a_furnace_stays_a_furnace_around_mirrors_and_glass_that_absorb_nothing() {
 
 #[test]
 fn a_plate_sees_its_image_in_a_mirror_as_far_behind_it() {
-    // A unit square glows below a mirror of the same size at half the distance: it sees itself at distance 1, dimmed once.
+    // A unit square glows below a mirror of the same size at half the distance: it sees itself at distance 1,
+    // dimmed once.
     let square = |y: f64| [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]];
     let materials = vec![Material::lamp("plate", &[0.5], &[1.0]), Material::mirror("mirror", &[0.8])];
     let scene = quads(&[(square(0.0), 0), (flipped(square(0.5)), 1)], materials);

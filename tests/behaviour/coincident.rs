@@ -1,4 +1,5 @@
-//! Faces that lie on each other in one plane: the answer is that of faces a hair apart, and nothing is decided by rounding.
+//! Faces that lie on each other in one plane: the answer is that of faces a hair apart, and nothing is
+//! decided by rounding.
 
 use glam::{DQuat, DVec3};
 use radiosity::measure::{PathOptions, PathTracer, overlaps};

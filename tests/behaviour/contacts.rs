@@ -1,4 +1,5 @@
-//! Where surfaces touch: no patch lies on both sides of the line, nothing leaks, and patches stay as many as asked for.
+//! Where surfaces touch: no patch lies on both sides of the line, nothing leaks, and patches stay as many as
+//! asked for.
 
 use glam::{DMat3, DVec3};
 use radiosity::patches::{PatchSize, Patches, Tessellation};

@@ -1,4 +1,5 @@
-//! Environments: skies from pictures against skies and suns of known light, the path tracer, pictures, and what files say.
+//! Environments: skies from pictures against skies and suns of known light, the path tracer, pictures, and
+//! what files say.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;

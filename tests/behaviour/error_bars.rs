@@ -57,9 +57,10 @@ fn relative(faces: &[FaceRow], x: impl Fn(usize, usize) -> f64) -> f64 {
 #[test]
 fn the_noise_that_one_answer_tells_is_how_far_answers_with_other_rays_lie_apart() {
     const SEEDS: u64 = 16;
-    // 16 answers know how far they lie apart to some 15 %, most of all where what they have in common varies, and much better where many faces
-    // vary each by itself: there chance must have no part in anything that the batches of one answer share. Rays towards a sky lie more evenly
-    // than their parts, and their noise is told too large.
+    // 16 answers know how far they lie apart to some 15 %, most of all where what they have in common varies,
+    // and much better where many faces vary each by itself: there chance must have no part in anything that
+    // the batches of one answer share. Rays towards a sky lie more evenly than their parts, and their noise
+    // is told too large.
     for (path, basis, expected) in [
         ("meshes/cornell_box", Basis::Constant, 0.65..1.5),
         ("meshes/cornell_box", Basis::Linear, 0.65..1.5),

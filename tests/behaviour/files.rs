@@ -1,5 +1,5 @@
-//! Scene files: what they mean, and how bad ones are refused. A refusal names the file, the line, the face or the
-//! material, and what to do; nothing panics.
+//! Scene files: what they mean, and how bad ones are refused. A refusal names the file, the line, the face or
+//! the material, and what to do; nothing panics.
 
 use std::fs;
 

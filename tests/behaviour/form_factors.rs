@@ -38,7 +38,8 @@ fn parallel(x: f64) -> Scene {
     quads(&[(floor, 0), (ceiling, 0)], grey())
 }
 
-/// Two rectangles of width 1 and lengths `x` that meet at a right angle along their width... scaled: edge 1, legs x.
+/// Two rectangles of width 1 and lengths `x` that meet at a right angle along their width... scaled: edge 1,
+/// legs x.
 fn perpendicular(x: f64) -> Scene {
     let floor = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [x, 0.0, 1.0], [x, 0.0, 0.0]];
     let wall = [[0.0, 0.0, 0.0], [0.0, x, 0.0], [0.0, x, 1.0], [0.0, 0.0, 1.0]];

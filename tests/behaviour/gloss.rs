@@ -1,4 +1,5 @@
-//! Rough conductors, on the way between patches: a furnace, the smooth limit, the path tracer's own route, pictures, saved form factors.
+//! Rough conductors, on the way between patches: a furnace, the smooth limit, the path tracer's own route,
+//! pictures, saved form factors.
 
 use std::io::Cursor;
 
@@ -61,7 +62,8 @@ fn a_furnace_stays_a_furnace_around_white_metal_of_any_roughness() {
     }
 }
 
-/// How far the matrix is from light paths in a room with a floor and a wall of this material, and a block of it or of what the walls are.
+/// How far the matrix is from light paths in a room with a floor and a wall of this material, and a block of
+/// it or of what the walls are.
 pub(crate) fn difference_in_a_room(material: Material, is_of_block: bool) -> Difference {
     let mut walls = room([0.0; 3], [1.0, 0.8, 0.9]).map(|quad| (quad, 0));
     walls[1].1 = 1;

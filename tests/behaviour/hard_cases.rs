@@ -1,4 +1,5 @@
-//! Hard cases that must stay stable, each with every solver, both ways of storage and, where it matters, both bases.
+//! Hard cases that must stay stable, each with every solver, both ways of storage and, where it matters, both
+//! bases.
 
 use nalgebra::DMatrix;
 use radiosity::measure::Energy;
@@ -46,8 +47,8 @@ fn iterative(k: &Transport, e: &DMatrix<f64>) -> [Solution; 2] {
     [solve::conjugate_gradients(k, e, &cg).unwrap(), solve::neumann(k, e, &series).unwrap().solution]
 }
 
-/// What holds of every scene: finite and non-negative light, rows that close, energy that balances, solvers that agree as closely as
-/// their bounds say. Answers the mean radiance per quad of constant elements.
+/// What holds of every scene: finite and non-negative light, rows that close, energy that balances, solvers
+/// that agree as closely as their bounds say. Answers the mean radiance per quad of constant elements.
 fn hold_to_the_laws(scene: &Scene, size: PatchSize) -> Vec<f64> {
     let mut constant = Vec::new();
     // That both storages hold the same linear elements is a law of its own.
@@ -111,7 +112,8 @@ fn lit_room(rho: f64, more: &[Quad]) -> Scene {
     quads(&all, vec![Material::diffuse("grey", &[rho]), Material::lamp("lamp", &[0.0], &[10.0])])
 }
 
-/// A room whose walls are strips of widths from 1e-5 to 1: slivers of aspect 10⁵ beside large faces, T-junctions at every corner.
+/// A room whose walls are strips of widths from 1e-5 to 1: slivers of aspect 10⁵ beside large faces,
+/// T-junctions at every corner.
 fn striped_furnace() -> Scene {
     let [west, south, floor, east, north, ceiling] = room([0.0; 3], [1.0; 3]);
     let cuts = [0.0, 1e-5, 1e-3, 0.1, 0.35, 1.0];
@@ -142,8 +144,8 @@ fn a_furnace_of_mixed_sizes_stays_exact_as_reflectance_nears_one() {
             assert!(worst < precise, "{basis:?} ρ = {rho}: {worst}");
             let imbalance = Energy::new(&k, &e, &exact.radiance, 1.0).imbalance;
             assert!(imbalance < if rho < 0.9999 { 1e-10 } else { 1e-8 }, "ρ = {rho}: imbalance {imbalance}");
-            // What rounding leaves of a residual is some 1/(1 − ρ) units in the last place, and five times that where M⁻¹ mixes
-            // the corners: ‖4I − J‖∞ = 5.
+            // What rounding leaves of a residual is some 1/(1 − ρ) units in the last place, and five times
+            // that where M⁻¹ mixes the corners: ‖4I − J‖∞ = 5.
             let tolerance = if basis == Basis::Constant { 2e-9 } else { 1e-8 };
             let cg = solve::conjugate_gradients(&k, &e, &CgOptions { tolerance, ..Default::default() });
             let worst = cg.unwrap().radiance.map(|l| l * (1.0 - rho) - 1.0).amax();

@@ -40,7 +40,8 @@ fn find<'f>(findings: &'f [Finding], name: &str) -> &'f Finding {
     findings.iter().find(|f| f.name == name).unwrap_or_else(|| panic!("no finding {name}: {findings:?}"))
 }
 
-/// The finding of this name about a scene, which must be judged like this and say what to do unless it is good.
+/// The finding of this name about a scene, which must be judged like this and say what to do unless it is
+/// good.
 #[track_caller]
 fn judged(scene: &Scene, name: &str, verdict: Grade) -> Finding {
     among(&check(scene), name, verdict)

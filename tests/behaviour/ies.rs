@@ -1,4 +1,5 @@
-//! Photometric files: the light under a luminaire is that of its table, whichever way it hangs; flux, settings, broken files.
+//! Photometric files: the light under a luminaire is that of its table, whichever way it hangs; flux,
+//! settings, broken files.
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
@@ -65,8 +66,9 @@ fn illuminance_under_a_luminaire_is_that_of_its_table_by_the_inverse_square() {
             let exact = by_table(&table, position - point);
             assert!((EFFICACY * found[i] / exact - 1.0).abs() < 1e-9, "{name} {point}: {} {exact}", found[i]);
         }
-        // Over patches it is the mean, which differs from the middle's by their size squared, and by the kinks of the table within them;
-        // along the axis some of these tables jump from one horizontal angle to the next.
+        // Over patches it is the mean, which differs from the middle's by their size squared, and by the
+        // kinks of the table within them; along the axis some of these tables jump from one horizontal angle
+        // to the next.
         let found = Sources::trace(&tracer, &patches, Basis::Constant, &options).unwrap().direct.unwrap();
         let (mut squares, mut whole) = (0.0, 0.0);
         for i in 0..patches.len() {

@@ -254,7 +254,8 @@ fn dense_and_sparse_hold_the_same_operator() {
         let [dense, sparse] = STORAGES.map(|storage| factors_of(&scene, 500, 64, (basis, storage)).1);
         let (dense, sparse) = (dense.exchange(), sparse.exchange());
         assert_eq!((dense.storage_name(), sparse.storage_name()), ("dense", "sparse"));
-        // Of linear elements a single ray keeps more digits where it is kept as such; closing the rows passes that on.
+        // Of linear elements a single ray keeps more digits where it is kept as such; closing the rows passes
+        // that on.
         let digits = if basis == Basis::Constant { 1e-12 } else { 1e-6 };
         let mut from_row = vec![0.0; dense.len()];
         for i in 0..dense.len() {

@@ -51,7 +51,8 @@ fn around_corners_they_err_less_than_half_as_much_against_an_independent_path_tr
     }
 }
 
-/// √(∫ (H − H_exact)² dA / ∫ H_exact² dA) over the floor below a lamp, by Lambert's formula at many points of every patch.
+/// √(∫ (H − H_exact)² dA / ∫ H_exact² dA) over the floor below a lamp, by Lambert's formula at many points of
+/// every patch.
 fn field_error(tracer: &Tracer, patches: &Patches, basis: Basis, h: &DMatrix<f64>) -> f64 {
     let (mut difference, mut whole) = (0.0, 0.0);
     for i in patches.patches_of(0, Side::Front).chain(patches.patches_of(1, Side::Front)) {

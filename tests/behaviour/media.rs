@@ -1,4 +1,5 @@
-//! Glass in water, and surfaces inside glass: Snell's law between solids, a furnace, apparent depth, light paths.
+//! Glass in water, and surfaces inside glass: Snell's law between solids, a furnace, apparent depth, light
+//! paths.
 
 use std::f64::consts::PI;
 
@@ -144,7 +145,8 @@ fn a_furnace_stays_a_furnace_around_glass_in_water_and_white_walls_in_it() {
 
 #[test]
 fn a_lamp_in_glass_is_seen_at_its_apparent_depth() {
-    // Up through the surface of a slab: what was h away by d of glass is seen from h + d/n, dimmed by Fresnel's part.
+    // Up through the surface of a slab: what was h away by d of glass is seen from h + d/n, dimmed by
+    // Fresnel's part.
     let (depth, height) = (0.5, 1.0);
     let slab = room([-3.0, -1.0, -3.0], [3.0, 0.0, 3.0]).map(|quad| (flipped(quad), 0));
     let square = |r: f64, y: f64| [[-r, y, -r], [-r, y, r], [r, y, r], [r, y, -r]];

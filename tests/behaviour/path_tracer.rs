@@ -56,7 +56,8 @@ fn table(path: &str) -> Vec<ReferenceRow> {
     ReferenceRow::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
 }
 
-/// Traces every face of a scene to a standard error, and judges those known to 5 % against another renderer's table, channel by channel.
+/// Traces every face of a scene to a standard error, and judges those known to 5 % against another renderer's
+/// table, channel by channel.
 fn agrees_with_another_renderer(name: &str, error: f64, least_faces: usize) {
     let scene = load(&format!("tests/data/{name}.obj"));
     let tracer = Tracer::new(&scene);
@@ -156,7 +157,8 @@ fn each_bounce_of_the_cornell_box_meets_its_term_of_the_series_the_better_the_fi
     let coarse = faces(&tracer);
     let options = PathOptions { budget: paths(1_000_000), ..Default::default() };
     let traced = PathTracer::new(&tracer).irradiance(&coarse, &options).unwrap();
-    // Per bounce 1 to 6: relative root mean square over fronts of faces, the noise of paths taken off, and that noise.
+    // Per bounce 1 to 6: relative root mean square over fronts of faces, the noise of paths taken off, and
+    // that noise.
     let errors = |count: usize| -> Vec<[f64; 2]> {
         let size = PatchSize::Count(count);
         let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();

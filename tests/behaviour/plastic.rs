@@ -1,4 +1,5 @@
-//! Plastic, a diffuse base under a clear coat: furnaces, closed forms, the path tracer's own route, pictures, files.
+//! Plastic, a diffuse base under a clear coat: furnaces, closed forms, the path tracer's own route, pictures,
+//! files.
 
 use std::f64::consts::PI;
 use std::io::Cursor;

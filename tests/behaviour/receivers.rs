@@ -148,7 +148,8 @@ fn the_program_reports_lux_at_receivers_and_on_surfaces() {
     let exact = 100.0 * 4.0 * (1.0 / (2.0 * 6f64.sqrt())).atan() / 4.0;
     assert!((number(&rows[1], 4) / exact - 1.0).abs() < 1e-6, "{rows:?}");
     assert!((number(&rows[3], 6) - 100.0).abs() < 1e-6);
-    // The lamp sends its intensity in all directions; black surfaces have no luminance, and receivers none either.
+    // The lamp sends its intensity in all directions; black surfaces have no luminance, and receivers none
+    // either.
     assert!((number(&rows[2], 3) / (400.0 * PI) - 1.0).abs() < 1e-8);
     assert_eq!((rows[1][9].as_str(), rows[3][9].as_str(), rows[2][4].as_str()), ("0", "", ""));
 }

@@ -96,13 +96,15 @@ fn linear_elements_are_saved_with_all_that_other_lamps_need() {
         let (reused, reuse) = solved_with(&file, &left);
         assert!(reuse.balanced && reused.len() == 3 * patches.len());
         assert_eq!(reused, irradiance(&patches, &factors), "the same bits");
-        // Lamps that are newly lit, from the same rays as if all had been traced anew; storage is chosen anew too.
+        // Lamps that are newly lit, from the same rays as if all had been traced anew; storage is chosen anew
+        // too.
         let (adapted, reuse) = solved_with(&file, &both);
         assert!(!reuse.balanced && reuse.traced < reuse.held / 10, "{reuse:?}");
         let tracer = Tracer::new(&both);
         let (patches, fresh) = traced_for(&tracer, (Basis::Linear, StorageKind::Auto));
         assert_eq!(adapted, irradiance(&patches, &fresh));
-        // The same lamps over black walls: fewer sides are reached, and what is known of lamps is taken from the file.
+        // The same lamps over black walls: fewer sides are reached, and what is known of lamps is taken from
+        // the file.
         let black = scene([5.0, 0.0], 0.0);
         let (adapted, reuse) = solved_with(&file, &black);
         assert!(!reuse.balanced && reuse.traced == 0, "{reuse:?}");

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use radiosity::scene::{Face, FaceState, Light, Material, Scene, SceneParts, Sky};
 
-/// Quadrilaterals by their corners, counter-clockwise seen from the front, each an object of its own with the material of the
-/// given index.
+/// Quadrilaterals by their corners, counter-clockwise seen from the front, each an object of its own with the
+/// material of the given index.
 pub fn quads(quads: &[([[f64; 3]; 4], u32)], materials: Vec<Material>) -> Scene {
     lit_quads(quads, materials, Vec::new(), None)
 }

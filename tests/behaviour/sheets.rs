@@ -37,8 +37,8 @@ fn difference(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
     (a - b).amax() / b.amax()
 }
 
-/// Two cubes of 1 m that share a wall, the first with material 0 and a lamp 2 in its ceiling, the second with material 1; the shared wall has material 3
-/// and fronts the first.
+/// Two cubes of 1 m that share a wall, the first with material 0 and a lamp 2 in its ceiling, the second with
+/// material 1; the shared wall has material 3 and fronts the first.
 fn two_cubes(materials: [Material; 4]) -> Scene {
     let mut faces: Vec<_> = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0)).to_vec();
     // Of the second cube without the wall at x = 1.
@@ -102,8 +102,9 @@ fn a_furnace_is_exact_on_both_sides_of_a_sheet() {
     }
 }
 
-/// Two spheres, each of a wall and a window that joins them, with even exchange within each: patches wall, window front, window back, wall, in
-/// the order given. A channel for each set of reflectances and transmittance.
+/// Two spheres, each of a wall and a window that joins them, with even exchange within each: patches wall,
+/// window front, window back, wall, in the order given. A channel for each set of reflectances and
+/// transmittance.
 fn joined_spheres(order: [usize; 4], channels: &[([f64; 4], f64)]) -> (FormFactors, Reflection) {
     const AREAS: [f64; 4] = [3.0, 0.5, 0.5, 2.0];
     let at = |i: usize| order.iter().position(|&k| k == i).unwrap();
@@ -122,8 +123,9 @@ fn joined_spheres(order: [usize; 4], channels: &[([f64; 4], f64)]) -> (FormFacto
     (exchange.into(), Reflection { reflectance, sheets })
 }
 
-/// Radiance of the four patches where the first wall emits 1. In irradiance, what each sphere gets is what it loses and what goes through:
-/// H₁ (A₁(1 − ρ₁) + a(1 − ρ_f)) − aτ H₂ = A₁πE, H₂ (A₂(1 − ρ₂) + a(1 − ρ_b)) = aτ H₁.
+/// Radiance of the four patches where the first wall emits 1. In irradiance, what each sphere gets is what it
+/// loses and what goes through: H₁ (A₁(1 − ρ₁) + a(1 − ρ_f)) − aτ H₂ = A₁πE, H₂ (A₂(1 − ρ₂) + a(1 − ρ_b)) =
+/// aτ H₁.
 fn in_joined_spheres(&(rho, tau): &([f64; 4], f64)) -> [f64; 4] {
     let first = 3.0 * (1.0 - rho[0]) + 0.5 * (1.0 - rho[1]);
     let second = 2.0 * (1.0 - rho[3]) + 0.5 * (1.0 - rho[2]);

@@ -1,5 +1,6 @@
-//! Which side of a surface a light is on is geometry: however lamps are turned they light neither their own backs nor their insides, and a
-//! light without area on a surface gives all its light to the side in front of it.
+//! Which side of a surface a light is on is geometry: however lamps are turned they light neither their own
+//! backs nor their insides, and a light without area on a surface gives all its light to the side in front of
+//! it.
 
 use std::f64::consts::{PI, TAU};
 
@@ -159,7 +160,8 @@ fn no_light_gets_into_a_sealed_lamp_however_it_is_turned() {
     assert_eq!((of_lamps(&rows, 12, Side::Front).len(), of_lamps(&rows, 12, Side::Back).len()), (224, 0));
 }
 
-/// Means that differ by more than noise: Student's t with as many degrees of freedom is beyond this once in 10⁵ cases.
+/// Means that differ by more than noise: Student's t with as many degrees of freedom is beyond this once in
+/// 10⁵ cases.
 fn assert_same(found: &[(FaceRow, f64)], expected: &[(FaceRow, f64)], what: &str) {
     const MOST: f64 = 6.0;
     assert_eq!(found.len(), expected.len(), "{what}");
@@ -207,7 +209,8 @@ fn room_with_light(position: [f64; 3]) -> Scene {
     lit_quads(&walls(), vec![Material::diffuse("grey", &[0.5])], vec![light], None)
 }
 
-/// Places on the room's surfaces: within a wall, on its diagonal, on an edge, in a corner; and how many of its twelve faces touch each.
+/// Places on the room's surfaces: within a wall, on its diagonal, on an edge, in a corner; and how many of
+/// its twelve faces touch each.
 const ON_SURFACES: [([f64; 3], usize); 5] = [
     ([0.0, 1.1, 1.3], 1),
     ([0.0, 1.25, 1.5], 2),
@@ -358,7 +361,8 @@ fn a_light_on_a_ceiling_is_told_of_with_its_settings() {
 
 #[test]
 fn whatever_is_in_part_in_front_of_a_lamp_is_lit_by_it_beside_other_lamps() {
-    // A dim lamp that shines on the floor near by, and a tiny bright one whose plane cuts through patches of all walls.
+    // A dim lamp that shines on the floor near by, and a tiny bright one whose plane cuts through patches of
+    // all walls.
     let dim = [[0.4, 0.5, 0.4], [0.6, 0.5, 0.4], [0.6, 0.5, 0.6], [0.4, 0.5, 0.6]].map(DVec3::from_array);
     let at = DVec3::new(1.4, 1.3, 1.6);
     for turn in (0..4).map(rotation) {

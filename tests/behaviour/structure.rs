@@ -152,7 +152,8 @@ fn arrows_to_the_right(file: &str, module: &[String], text: &str) -> Vec<String>
         .collect()
 }
 
-/// The names that paths starting with `crate` or enough `super`s take from the crate's root, with their lines.
+/// The names that paths starting with `crate` or enough `super`s take from the crate's root, with their
+/// lines.
 fn names_from_root(tokens: &[Token], module: &[String]) -> Vec<(usize, String)> {
     let is = |at: usize, text: &str| tokens.get(at).is_some_and(|token| token.text == text);
     let mut names = Vec::new();
@@ -185,7 +186,8 @@ fn names_from_root(tokens: &[Token], module: &[String]) -> Vec<(usize, String)> 
     names
 }
 
-/// The names right after the root, which stands at `at`: one, or several in braces; the root's own where none follows.
+/// The names right after the root, which stands at `at`: one, or several in braces; the root's own where none
+/// follows.
 fn heads(tokens: &[Token], at: usize, names: &mut Vec<(usize, String)>) {
     let mut push = |token: &Token| names.push((token.line, token.text.clone()));
     match (tokens.get(at + 1), tokens.get(at + 2)) {

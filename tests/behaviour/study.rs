@@ -1,4 +1,5 @@
-//! What accuracy costs in time: errors that fall, noise that is called noise, studies that resume, conclusions that repeat.
+//! What accuracy costs in time: errors that fall, noise that is called noise, studies that resume,
+//! conclusions that repeat.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -66,7 +67,8 @@ fn errors_fall_with_patches_rays_and_orders_and_conclusions_repeat_with_another_
         let paths: Vec<&StudyRow> = rows.iter().filter(|row| row.solver == StudySolver::Paths).collect();
         assert!(paths.windows(2).all(|pair| pair[1].error < 0.75 * pair[0].error), "{paths:?}");
         let conclusions = Conclusions::new(rows, study.reference().unwrap());
-        // What is named for a target is good enough for it, and nothing is that is quicker by more than times can be told apart.
+        // What is named for a target is good enough for it, and nothing is that is quicker by more than times
+        // can be told apart.
         for target in &conclusions.targets {
             let good_enough = |row: &&StudyRow| row.reading().most() <= target.accuracy;
             let named = &rows[target.row];

@@ -1,4 +1,5 @@
-//! Textures: averages over patches, light paths that read the picture itself, pictures, and what files say and lack.
+//! Textures: averages over patches, light paths that read the picture itself, pictures, and what files say
+//! and lack.
 
 use std::sync::Arc;
 

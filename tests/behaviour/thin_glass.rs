@@ -1,4 +1,5 @@
-//! Sheets of thin glass: both surfaces at once, and the light of lamps, sun and sky that comes straight through.
+//! Sheets of thin glass: both surfaces at once, and the light of lamps, sun and sky that comes straight
+//! through.
 
 use glam::DVec3;
 use radiosity::measure::{Budget, Energy, PathOptions, PathTracer};

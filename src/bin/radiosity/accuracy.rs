@@ -19,8 +19,8 @@ use crate::verdict::phrase;
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Accuracy")]
 pub struct GoalArgs {
-    /// Choose patches and rays such that irradiance by face errs no more than this, in 95 cases of 100: 1%, or 0.2W/m2, or 5lx (relative, or
-    /// absolute, root mean square over faces)
+    /// Choose patches and rays such that irradiance by face errs no more than this, in 95 cases of 100: 1%,
+    /// or 0.2W/m2, or 5lx (relative, or absolute, root mean square over faces)
     #[arg(
         long,
         value_name = "ERROR",
@@ -29,7 +29,8 @@ pub struct GoalArgs {
     )]
     accuracy: Option<Wanted>,
 
-    /// Choose patches and rays such that the whole run takes about so long, such as 10s, 2min or 1h; with --accuracy, at most so long
+    /// Choose patches and rays such that the whole run takes about so long, such as 10s, 2min or 1h; with
+    /// --accuracy, at most so long
     #[arg(
         long,
         value_name = "TIME",

@@ -20,7 +20,8 @@ use crate::terminal::{Failure, Terminal};
 /// What to read and where to write.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// OBJ file; a .toml beside it may set camera, unit, materials, lights and sky [default: the built-in Cornell box]
+    /// OBJ file; a .toml beside it may set camera, unit, materials, lights and sky [default: the built-in
+    /// Cornell box]
     pub scene: Option<PathBuf>,
 
     /// Folder for the results [default: out/<scene>]

@@ -22,9 +22,9 @@ use crate::verdict::{self, StrictArgs};
 
 /// Compare the direct solution and every order of the series with a path-traced reference
 ///
-/// The reference follows light paths on the surfaces themselves and knows its own standard error. Writes comparison.json,
-/// comparison.csv (both irradiances of every patch, W/m²), comparison.png (matrix, reference, difference), bounces.png (light bounce
-/// by bounce) and orders.svg (error against order).
+/// The reference follows light paths on the surfaces themselves and knows its own standard error. Writes
+/// comparison.json, comparison.csv (both irradiances of every patch, W/m²), comparison.png (matrix,
+/// reference, difference), bounces.png (light bounce by bounce) and orders.svg (error against order).
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -44,8 +44,8 @@ pub struct Args {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Reference")]
 struct ReferenceArgs {
-    /// Trace paths until all patches together are known this well (relative standard error) [default: 2%, unless --seconds or --paths is
-    /// given]
+    /// Trace paths until all patches together are known this well (relative standard error) [default: 2%,
+    /// unless --seconds or --paths is given]
     #[arg(long, value_name = "SHARE", value_parser = args::share)]
     standard_error: Option<f64>,
 

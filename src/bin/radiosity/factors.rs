@@ -24,8 +24,9 @@ pub struct FactorsArgs {
     #[arg(long, value_enum, default_value_t = BasisArg::Constant, help_heading = "Accuracy")]
     basis: BasisArg,
 
-    /// Which effects to simulate: auto for all that the scene calls for, or -effect to leave one out and +effect to insist, separated by
-    /// commas: interreflection, occlusion-rays, back-sides, lamps, colour, lights, sky, receivers, mirror, dielectric, caustics
+    /// Which effects to simulate: auto for all that the scene calls for, or -effect to leave one out and
+    /// +effect to insist, separated by commas: interreflection, occlusion-rays, back-sides, lamps, colour,
+    /// lights, sky, receivers, mirror, dielectric, caustics
     #[arg(
         long,
         value_name = "LIST",
@@ -39,8 +40,8 @@ pub struct FactorsArgs {
     #[arg(long, value_name = "FILE", help_heading = "Accuracy")]
     save_factors: Option<PathBuf>,
 
-    /// Take form factors from a file that --save-factors wrote for the same geometry; lamps, powers and reflectances may
-    /// have changed
+    /// Take form factors from a file that --save-factors wrote for the same geometry; lamps, powers and
+    /// reflectances may have changed
     #[arg(
         long,
         value_name = "FILE",
@@ -125,7 +126,8 @@ impl FactorsArgs {
         Ok(sources)
     }
 
-    /// What solving with these options will probably cost, or with as many patches and rays as were chosen else.
+    /// What solving with these options will probably cost, or with as many patches and rays as were chosen
+    /// else.
     pub fn forecast(
         &self,
         tracer: &Tracer,

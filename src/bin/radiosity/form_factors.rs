@@ -46,7 +46,8 @@ pub struct Args {
     #[arg(long, value_enum)]
     sides: Option<SidesArg>,
 
-    /// Which channel's form factors to write where mirrors, metals or glass are coloured: 1 for red, 2 for green, 3 for blue
+    /// Which channel's form factors to write where mirrors, metals or glass are coloured: 1 for red, 2 for
+    /// green, 3 for blue
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..))]
     channel: Option<u16>,
 

@@ -22,8 +22,8 @@ use terminal::Terminal;
 /// Diffuse global illumination as a matrix problem: L = (I − K)⁻¹E, directly and as the Neumann series
 /// E + KE + K²E + …
 ///
-/// Reads Wavefront OBJ/MTL scenes (Kd: reflectance, Ke: emitted radiance of the front side, metres), cuts surfaces into
-/// patches, traces form factors between them and solves for the light on every patch.
+/// Reads Wavefront OBJ/MTL scenes (Kd: reflectance, Ke: emitted radiance of the front side, metres), cuts
+/// surfaces into patches, traces form factors between them and solves for the light on every patch.
 #[derive(Debug, Parser)]
 #[command(version, arg_required_else_help = true, subcommand_required = true)]
 struct Cli {
@@ -35,9 +35,10 @@ struct Cli {
 enum Command {
     /// Solve a scene: tables, a coloured mesh and a picture
     ///
-    /// Writes solution.json (what was done, energy, residuals and bounds), faces.csv and patches.csv (irradiance in W/m²,
-    /// radiance in W/sr/m²), mesh.ply and image.png; all of them, or none. Receivers of the scene's .toml add receivers.csv, --photometric adds
-    /// photometry.csv, faces_photometric.csv, patches_photometric.csv, illuminance.png and luminance.png.
+    /// Writes solution.json (what was done, energy, residuals and bounds), faces.csv and patches.csv
+    /// (irradiance in W/m², radiance in W/sr/m²), mesh.ply and image.png; all of them, or none. Receivers of
+    /// the scene's .toml add receivers.csv, --photometric adds photometry.csv, faces_photometric.csv,
+    /// patches_photometric.csv, illuminance.png and luminance.png.
     Solve(solve::Args),
     /// Make a picture of a scene
     ///

@@ -26,12 +26,14 @@ pub struct Args {
     factors: FactorsArgs,
     #[command(flatten)]
     solver: SolverArgs,
-    /// Also report in lm, lx and cd/m²: photometry.csv with flux, mean, lowest and highest illuminance and luminance and their uniformity by
-    /// material, object, light and receiver; faces_photometric.csv and patches_photometric.csv; illuminance.png and luminance.png in false colours
+    /// Also report in lm, lx and cd/m²: photometry.csv with flux, mean, lowest and highest illuminance and
+    /// luminance and their uniformity by material, object, light and receiver; faces_photometric.csv and
+    /// patches_photometric.csv; illuminance.png and luminance.png in false colours
     #[arg(long, help_heading = "Photometry")]
     photometric: bool,
 
-    /// Also solve for the lamps of each material, and for all lights without area, by themselves, and write lamp_groups.csv
+    /// Also solve for the lamps of each material, and for all lights without area, by themselves, and write
+    /// lamp_groups.csv
     #[arg(long, help_heading = "Solver")]
     lamp_groups: bool,
 

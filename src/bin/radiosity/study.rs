@@ -17,10 +17,11 @@ use crate::verdict::StrictArgs;
 
 /// Show what accuracy costs in time: patches × rays × solver and order against a path-traced reference
 ///
-/// Traces light paths first, to know the truth and its noise, then solves the scene with more and more patches and rays, every solver, and
-/// several orders of the series. Writes study.csv (patches, rays, solver, order, seconds, bytes, error, its standard error, …),
-/// study_reference.csv, study.svg (error against time), knobs.svg (each knob alone) and study.md (which knob to turn at which accuracy).
-/// Tables are kept after every setting: stopped by Ctrl-C, the same command goes on where it was.
+/// Traces light paths first, to know the truth and its noise, then solves the scene with more and more
+/// patches and rays, every solver, and several orders of the series. Writes study.csv (patches, rays, solver,
+/// order, seconds, bytes, error, its standard error, …), study_reference.csv, study.svg (error against time),
+/// knobs.svg (each knob alone) and study.md (which knob to turn at which accuracy). Tables are kept after
+/// every setting: stopped by Ctrl-C, the same command goes on where it was.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]

@@ -1,5 +1,5 @@
-//! Terminal: what the user sees while and after the library works. An [`Observer`] that draws progress, keeps the time
-//! of every stage, and passes Ctrl-C on.
+//! Terminal: what the user sees while and after the library works. An [`Observer`] that draws progress, keeps
+//! the time of every stage, and passes Ctrl-C on.
 
 use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;

@@ -1,4 +1,5 @@
-//! Difference: how far a field is from a noisy estimate of it, with the noise taken off and its own uncertainty.
+//! Difference: how far a field is from a noisy estimate of it, with the noise taken off and its own
+//! uncertainty.
 
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
@@ -9,8 +10,8 @@ use crate::patches::Patches;
 /// Of a field, its reference and that reference's noise over all places, area-weighted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference {
-    /// Relative root mean square, the reference's noise taken off: √((ΣA d² − ΣA se²) / (ΣA H² − ΣA se²)) over all channels; 0 where noise
-    /// is all there is.
+    /// Relative root mean square, the reference's noise taken off: √((ΣA d² − ΣA se²) / (ΣA H² − ΣA se²))
+    /// over all channels; 0 where noise is all there is.
     pub rms: f64,
     /// Standard error of `rms`.
     pub uncertainty: f64,
@@ -22,8 +23,8 @@ pub struct Difference {
     pub bias_error: f64,
     /// Where d is largest beside its noise.
     pub worst: Worst,
-    /// The chance that noise alone would make the differences so large: by their mean square, by their means per channel, and by the
-    /// worst of them, each corrected for the number of chances it had.
+    /// The chance that noise alone would make the differences so large: by their mean square, by their means
+    /// per channel, and by the worst of them, each corrected for the number of chances it had.
     pub chance: [f64; 3],
 }
 
@@ -175,8 +176,9 @@ pub(super) fn typical_error(places: &[Place]) -> f64 {
     (squares / sum(&|p| p.area * p.channels.len() as f64).max(f64::MIN_POSITIVE)).sqrt()
 }
 
-/// Variance of ΣA(d² − se²) = `excess` as its own terms show it, as far as they come from few batches: noise may have longer tails than the
-/// normal distribution, and a standard error from few batches may be far too small.
+/// Variance of ΣA(d² − se²) = `excess` as its own terms show it, as far as they come from few batches: noise
+/// may have longer tails than the normal distribution, and a standard error from few batches may be far too
+/// small.
 fn spread(places: &[Place], excess: f64) -> f64 {
     /// From so many degrees of freedom on, standard errors are trusted more and more.
     const FEW: f64 = 20.0;
@@ -189,8 +191,8 @@ fn spread(places: &[Place], excess: f64) -> f64 {
     places.iter().map(of).sum()
 }
 
-/// Of ΣA d² to be so large if its mean is ΣA se² and its variance known: a scaled χ² of as many degrees of freedom as these
-/// two ask for (Satterthwaite 1946).
+/// Of ΣA d² to be so large if its mean is ΣA se² and its variance known: a scaled χ² of as many degrees of
+/// freedom as these two ask for (Satterthwaite 1946).
 fn chance_of_mean_square(squares: f64, mean: f64, variance: f64) -> f64 {
     if mean == 0.0 {
         return if squares > 0.0 { 0.0 } else { 1.0 };

@@ -17,7 +17,8 @@ pub struct RelativeRms {
 impl RelativeRms {
     /// Compares irradiance by face: √((ΣA(H − H_ref)² − ΣA se²) / ΣA H_ref²), over all channels.
     ///
-    /// Rows of the reference that `faces` lacks, and values whose standard error exceeds a fifth of them, are left out. An answer of one channel is compared with every channel of the reference.
+    /// Rows of the reference that `faces` lacks, and values whose standard error exceeds a fifth of them, are
+    /// left out. An answer of one channel is compared with every channel of the reference.
     pub fn of(faces: &[FaceRow], reference: &[ReferenceRow]) -> Self {
         let (mut difference, mut noise, mut whole, mut compared) = (0.0, 0.0, 0.0, 0);
         for row in reference {

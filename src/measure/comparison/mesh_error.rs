@@ -1,7 +1,8 @@
 //! Mesh error: how the answer changes when patches are made half as long, and twice as long.
 //!
-//! Where error falls as the edge to some power p, halving the edge changes the answer by (1 − 2⁻ᵖ) of what is wrong with it: the
-//! change is an *estimate* of mesh error. The noise of form factors is in it too, because every cut has rays of its own.
+//! Where error falls as the edge to some power p, halving the edge changes the answer by (1 − 2⁻ᵖ) of what is
+//! wrong with it: the change is an *estimate* of mesh error. The noise of form factors is in it too, because
+//! every cut has rays of its own.
 
 use nalgebra::DMatrix;
 
@@ -15,15 +16,16 @@ use crate::transport::{FormFactors, LightOptions, Shots, Sources, TraceOptions, 
 /// The scene solved on a coarser and a finer cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshError {
-    /// Irradiance with half the edge less that with the patches' own, averaged over these, n × c, W·m⁻²; `None` where half
-    /// the edge does not fit into memory.
+    /// Irradiance with half the edge less that with the patches' own, averaged over these, n × c, W·m⁻²;
+    /// `None` where half the edge does not fit into memory.
     pub finer: Option<DMatrix<f64>>,
     /// Irradiance with the patches' own edge less that with twice of it, n × c, W·m⁻².
     pub coarser: DMatrix<f64>,
 }
 
 impl MeshError {
-    /// Solves the scene thrice over, with `factors` between `patches` and on two other cuts; `trace` as the form factors were traced.
+    /// Solves the scene thrice over, with `factors` between `patches` and on two other cuts; `trace` as the
+    /// form factors were traced.
     ///
     /// # Errors
     /// As tracing and solving.
@@ -83,8 +85,8 @@ fn irradiance(
     Ok(solution.under(&sources).means(k.basis()).irradiance)
 }
 
-/// The leg of a right-angled patch such that smaller ones make up a quarter of all area, metres. By number, the many small faces of furniture
-/// would decide how finely the walls are cut.
+/// The leg of a right-angled patch such that smaller ones make up a quarter of all area, metres. By number,
+/// the many small faces of furniture would decide how finely the walls are cut.
 fn typical_edge(patches: &Patches) -> f64 {
     let mut areas: Vec<f64> = (0..patches.len()).map(|i| patches.area(i)).collect();
     areas.sort_by(f64::total_cmp);

@@ -26,7 +26,8 @@ pub struct Comparison {
     pub by_patch: Difference,
     /// Face by face: averages, which patches' own errors leave alone.
     pub by_face: Difference,
-    /// How much the answer changes with patches half as long (twice, where half does not fit), by patch; relative root mean square.
+    /// How much the answer changes with patches half as long (twice, where half does not fit), by patch;
+    /// relative root mean square.
     pub mesh_change: f64,
     /// What comes of it all.
     pub agreement: Agreement,

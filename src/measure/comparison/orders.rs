@@ -1,12 +1,14 @@
 //! Orders: the Neumann series, order by order, against the direct solution and the reference.
 //!
-//! Order k of irradiance is H_k = h_0 + … + h_{k−1} with h_j = πF KʲE; what is missing is T = h_k + h_{k+1} + … Two *guaranteed* bounds are
-//! known at order k, and the smaller is told:
+//! Order k of irradiance is H_k = h_0 + … + h_{k−1} with h_j = πF KʲE; what is missing is T = h_k + h_{k+1} +
+//! … Two *guaranteed* bounds are known at order k, and the smaller is told:
 //!
-//! - all h ≥ 0 and K ≥ 0, so h_{k−1} ≤ θ h_{k−2} everywhere implies h_j ≤ θ h_{j−1} for all that follow, and T ≤ θ/(1−θ) h_{k−1};
+//! - all h ≥ 0 and K ≥ 0, so h_{k−1} ≤ θ h_{k−2} everywhere implies h_j ≤ θ h_{j−1} for all that follow, and
+//!   T ≤ θ/(1−θ) h_{k−1};
 //! - ‖T‖∞ ≤ π ‖(I−K)⁻¹‖∞ ‖KᵏE‖∞, with [`Amplification`].
 //!
-//! Of linear elements, whose K has negative entries, only the second is known, in the norm √(∫ T² dA), and it is an *estimate*.
+//! Of linear elements, whose K has negative entries, only the second is known, in the norm √(∫ T² dA), and it
+//! is an *estimate*.
 
 use std::f64::consts::PI;
 use std::time::Instant;
@@ -47,16 +49,16 @@ pub struct OrderRow {
     pub vs_direct: f64,
     /// Difference of irradiance from the reference, by patch.
     pub vs_reference: Difference,
-    /// Bound on `vs_direct` known at this order, *guaranteed* for constant elements and *estimated* for linear ones; infinite
-    /// where there is none.
+    /// Bound on `vs_direct` known at this order, *guaranteed* for constant elements and *estimated* for
+    /// linear ones; infinite where there is none.
     pub bound: f64,
     /// Time for all orders up to this one, seconds.
     pub seconds: f64,
 }
 
 impl OrderRow {
-    /// Sums the series of E (N × c) until its bound is small enough, comparing each order's irradiance with the direct solution's
-    /// (N × c) and, by patch, with the reference.
+    /// Sums the series of E (N × c) until its bound is small enough, comparing each order's irradiance with
+    /// the direct solution's (N × c) and, by patch, with the reference.
     ///
     /// # Errors
     /// `Cancelled`.

@@ -1,4 +1,5 @@
-//! Reference: irradiance of faces by other means, such as another program's path tracer, and the tables it comes in.
+//! Reference: irradiance of faces by other means, such as another program's path tracer, and the tables it
+//! comes in.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -60,8 +61,8 @@ pub enum ReferenceError {
 const COLUMNS: [&str; 8] = ["face", "side", "E_r", "E_g", "E_b", "se_r", "se_g", "se_b"];
 
 impl ReferenceRow {
-    /// Reads a CSV table with the columns `face,side,E_r,E_g,E_b,se_r,se_g,se_b`, in any order and with any others among them: a face's number,
-    /// `front` or `back`, and irradiance with its standard errors, W·m⁻².
+    /// Reads a CSV table with the columns `face,side,E_r,E_g,E_b,se_r,se_g,se_b`, in any order and with any
+    /// others among them: a face's number, `front` or `back`, and irradiance with its standard errors, W·m⁻².
     ///
     /// # Errors
     /// `Read`, `Column` or `Field`; each names the file, and the line where there is one.

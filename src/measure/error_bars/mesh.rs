@@ -1,10 +1,12 @@
 //! Mesh error: what the size of patches does to the answer, told from what larger ones would have done.
 //!
-//! Some five patches at a time are merged, and the scene is solved with what the larger patches exchange: no new rays, and the noise of those that
-//! there are is in both answers. Where error falls in proportion to the edge, and errors on the two cuts are not alike in sign, as along the edges of
-//! shadows, the change is √5 times the error that is left; where they are alike, as around corners, no more than twice.
+//! Some five patches at a time are merged, and the scene is solved with what the larger patches exchange: no
+//! new rays, and the noise of those that there are is in both answers. Where error falls in proportion to the
+//! edge, and errors on the two cuts are not alike in sign, as along the edges of shadows, the change is √5
+//! times the error that is left; where they are alike, as around corners, no more than twice.
 //!
-//! Near lamps light varies within patches more than merging them shows. What is known of it there tells what it changes elsewhere.
+//! Near lamps light varies within patches more than merging them shows. What is known of it there tells what
+//! it changes elsewhere.
 
 use std::collections::HashSet;
 
@@ -16,8 +18,8 @@ use crate::progress::Progress;
 use crate::solve::roughly;
 use crate::transport::{FormFactors, Reflection, Sources, Transport};
 
-/// How many patches are taken together for coarser elements: with these a face of five by five becomes one of three by three. Linear elements are
-/// held against constant ones on the same patches.
+/// How many patches are taken together for coarser elements: with these a face of five by five becomes one of
+/// three by three. Linear elements are held against constant ones on the same patches.
 fn together(basis: Basis) -> f64 {
     match basis {
         Basis::Constant => 5.0,
@@ -25,9 +27,9 @@ fn together(basis: Basis) -> f64 {
     }
 }
 
-/// What is left as error of the change that elements coarser by so many patches each make, as a root mean square over faces. Errors of constant
-/// elements in proportion to the edge that are not alike in sign leave 1/√(1 + merged) of it; alike, up to 1. Linear elements err about a third as
-/// much as constant ones.
+/// What is left as error of the change that elements coarser by so many patches each make, as a root mean
+/// square over faces. Errors of constant elements in proportion to the edge that are not alike in sign leave
+/// 1/√(1 + merged) of it; alike, up to 1. Linear elements err about a third as much as constant ones.
 fn remains(basis: Basis, merged: f64) -> f64 {
     match basis {
         Basis::Constant => ALIKE / (1.0 + merged).sqrt(),
@@ -41,8 +43,9 @@ const ENOUGH: f64 = 3.0;
 /// How much more errors on two cuts are alike in sign than chance would have it; measured.
 const ALIKE: f64 = 1.23;
 
-/// How many times less is told of the rest where lamps shine by way of curved glass or mirrors: they light spots smaller than patches, and most what
-/// they find again by the same way. Measured with other glass than tests have.
+/// How many times less is told of the rest where lamps shine by way of curved glass or mirrors: they light
+/// spots smaller than patches, and most what they find again by the same way. Measured with other glass than
+/// tests have.
 const FOCUSED: f64 = 2.0;
 
 /// Surfaces that face more ways than this are curved: a box of mirrors has six.
@@ -59,8 +62,9 @@ pub(in crate::measure) struct Insight {
 }
 
 impl Insight {
-    /// How many times more than estimated the mesh error may be, in nineteen of twenty cases. Where faces are cut but little, few patches can be
-    /// merged, and little is told of the rest. Fitted to rooms that no test looks at.
+    /// How many times more than estimated the mesh error may be, in nineteen of twenty cases. Where faces are
+    /// cut but little, few patches can be merged, and little is told of the rest. Fitted to rooms that no
+    /// test looks at.
     pub fn at_most(&self) -> f64 {
         let usually = match self.basis {
             Basis::Constant => 1.4 * (ENOUGH / self.merged).max(1.0),
@@ -75,9 +79,11 @@ const ROUGHLY: f64 = 0.01;
 
 /// What is known of the mesh error.
 pub(super) struct MeshError {
-    /// How far irradiance per patch (n × c, W·m⁻²) may be off, with the sign in which coarser elements change it.
+    /// How far irradiance per patch (n × c, W·m⁻²) may be off, with the sign in which coarser elements change
+    /// it.
     pub by_merging: DMatrix<f64>,
-    /// What light that varies within patches near lamps changes, as either half of the rays has it; nothing for linear elements.
+    /// What light that varies within patches near lamps changes, as either half of the rays has it; nothing
+    /// for linear elements.
     pub by_variation: [DMatrix<f64>; 2],
     /// How much this tells.
     pub insight: Insight,

@@ -1,8 +1,9 @@
 //! Error bars: how wrong an answer may be, told from the answer itself, and where its error comes from.
 //!
-//! Nothing is traced anew. The batches of rays tell the noise of form factors and of light sampling; larger patches, merged from those that there
-//! are, tell what the size of patches does; slack tells what rows of form factors lack that could not be closed; the solver knows what it has left
-//! out. All but the last are *estimated*: they rest on what errors usually do. The last is *guaranteed* for the operator at hand.
+//! Nothing is traced anew. The batches of rays tell the noise of form factors and of light sampling; larger
+//! patches, merged from those that there are, tell what the size of patches does; slack tells what rows of
+//! form factors lack that could not be closed; the solver knows what it has left out. All but the last are
+//! *estimated*: they rest on what errors usually do. The last is *guaranteed* for the operator at hand.
 //!
 //! Of a series that ended early, order k is held against order k: what later orders add is no error of the
 //! mesh, nor noise, but truncation, a part of its own.
@@ -173,8 +174,8 @@ impl ErrorBars {
         let upper95 = (insight.at_most() * by_mesh).hypot(noise_at_most * by_noise)
             + slack_at_most(by_slack)
             + if sure.is_finite() || report.truncated { sure } else { 0.0 };
-        // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have, what it may miss, and
-        // what is left out.
+        // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have,
+        // what it may miss, and what is left out.
         let bar = |h: f64, variance: f64, by_mesh_here: f64, c: usize| {
             let left_out = if report.truncated { left_out[c] } else { 0.0 };
             (variance + by_mesh_here + (COMMON * by_mesh * h).powi(2) + left_out.powi(2)).sqrt()
@@ -219,7 +220,8 @@ fn left_out(patches: &Patches, missing: &[f64]) -> Vec<f64> {
     missing.iter().map(|missing| stretch * missing).collect()
 }
 
-/// How many times more than its mean over batches the noise may be, in nineteen of twenty cases, told from the squared noise of each.
+/// How many times more than its mean over batches the noise may be, in nineteen of twenty cases, told from
+/// the squared noise of each.
 fn scatter(squares: &[f64]) -> f64 {
     let batches = squares.len() as f64;
     let mean = squares.iter().sum::<f64>() / batches;

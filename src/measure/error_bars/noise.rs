@@ -1,7 +1,8 @@
 //! Noise: how far the answer would move if its rays were others.
 //!
-//! The batches of rays say by how much each would change the irradiance ε that the solved light causes. That change is reflected on, δH = ε + πF ρ δH/π. What is
-//! reflected comes from all sides and varies slowly, so that part is solved for between a few hundred clusters of patches.
+//! The batches of rays say by how much each would change the irradiance ε that the solved light causes. That
+//! change is reflected on, δH = ε + πF ρ δH/π. What is reflected comes from all sides and varies slowly, so
+//! that part is solved for between a few hundred clusters of patches.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -15,8 +16,9 @@ use crate::transport::{FormFactors, Reflection, Sources, Spread, Transport};
 const CLUSTERS: f64 = 128.0;
 const FEWEST: f64 = 8.0;
 
-/// Rays towards lights without area are points of one sequence, which lie more evenly than those of eight independent ones would. By so much their
-/// parts differ more than they should; measured with skies and spots.
+/// Rays towards lights without area are points of one sequence, which lie more evenly than those of eight
+/// independent ones would. By so much their parts differ more than they should; measured with skies and
+/// spots.
 const EVENNESS: f64 = 1.5;
 
 /// Samples of the noise in irradiance, by what it comes from; their mean over batches is zero.
@@ -28,8 +30,8 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    /// Samples the noise in the irradiance of a solution with radiance L (n × c), averaged over patches. `by_patch` are the form factors with
-    /// constant elements.
+    /// Samples the noise in the irradiance of a solution with radiance L (n × c), averaged over patches.
+    /// `by_patch` are the form factors with constant elements.
     pub fn of(
         patches: &Patches,
         factors: &FormFactors,
@@ -58,8 +60,9 @@ impl Noise {
     }
 }
 
-/// How many times more than the batches tell the noise of so many rays a patch may be, in nineteen of twenty cases: of linear elements, three to a patch,
-/// what few rays make of them shows in all batches alike. Fitted to Cornell boxes and rooms that no test looks at.
+/// How many times more than the batches tell the noise of so many rays a patch may be, in nineteen of twenty
+/// cases: of linear elements, three to a patch, what few rays make of them shows in all batches alike. Fitted
+/// to Cornell boxes and rooms that no test looks at.
 pub(in crate::measure) fn at_most(rays: u32, basis: Basis) -> f64 {
     const ALWAYS: f64 = 1.05;
     match basis {

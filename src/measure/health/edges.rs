@@ -1,4 +1,5 @@
-//! Edges: which faces meet where. An edge is a pair of vertices; sound surfaces use each twice, once in either direction.
+//! Edges: which faces meet where. An edge is a pair of vertices; sound surfaces use each twice, once in
+//! either direction.
 
 use std::collections::HashMap;
 
@@ -151,7 +152,8 @@ impl<'s> Edges<'s> {
         broken
     }
 
-    /// The faces to be flipped, the fewer in each connected surface, for the fronts to agree across shared edges.
+    /// The faces to be flipped, the fewer in each connected surface, for the fronts to agree across shared
+    /// edges.
     fn against_neighbours(&self) -> Vec<usize> {
         let mut against = Vec::new();
         for (surface, _) in self.oriented() {

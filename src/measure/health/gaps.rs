@@ -1,5 +1,5 @@
-//! Gaps: open edges that were to meet. A *crack* runs between two open edges that nearly coincide; a *T-junction* is a vertex in
-//! the middle of another face's open edge.
+//! Gaps: open edges that were to meet. A *crack* runs between two open edges that nearly coincide; a
+//! *T-junction* is a vertex in the middle of another face's open edge.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -11,7 +11,8 @@ use crate::trace::Tracer;
 /// The widest crack, relative to its edge.
 const CRACK: f64 = 0.01;
 
-/// How far from an edge a vertex may lie and still be on it, normalised lengths: coordinates are often written with six digits.
+/// How far from an edge a vertex may lie and still be on it, normalised lengths: coordinates are often
+/// written with six digits.
 const ON_EDGE: f64 = 2e-6;
 
 /// How wide the widest crack is, metres.
@@ -152,7 +153,8 @@ impl<'e> OpenEdges<'e> {
         widths.max_by(f64::total_cmp)
     }
 
-    /// Whether a gap lies beyond the edge and not on the face that it bounds, as between the two long edges of a ribbon.
+    /// Whether a gap lies beyond the edge and not on the face that it bounds, as between the two long edges
+    /// of a ribbon.
     fn parts(&self, edge: usize, gap: DVec3) -> bool {
         let ([a, b], only) = self.edges[edge];
         let along = (self.point(b) - self.point(a)).normalize_or_zero();

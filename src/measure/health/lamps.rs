@@ -1,7 +1,8 @@
 //! Lamps: whether what emits sends its light to where something can be lit.
 //!
-//! Emitting faces that share edges are one lamp. Rays from its fronts land on something else, on the lamp itself, or nowhere; where they
-//! land on nothing else and those from its backs do, the lamp is the wrong way round.
+//! Emitting faces that share edges are one lamp. Rays from its fronts land on something else, on the lamp
+//! itself, or nowhere; where they land on nothing else and those from its backs do, the lamp is the wrong way
+//! round.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +18,8 @@ use crate::trace::{Ray, Tracer};
 const BUDGET: usize = 1 << 15;
 const PER_SIDE: std::ops::Range<usize> = 8..1024;
 
-/// A lamp whose fronts see only what is nearer than this, relative to the root of its area, may be the wrong way round.
+/// A lamp whose fronts see only what is nearer than this, relative to the root of its area, may be the wrong
+/// way round.
 const NEAR: f64 = 0.05;
 
 /// What rays from one side of a lamp met.

@@ -1,8 +1,8 @@
 //! Leaks: light that leaves a place which is all but closed.
 //!
-//! Light is followed from the lamps until it is absorbed or escapes. An open scene loses much of it, a closed one none. Where a little
-//! escapes, the last rays of its paths are tilted more and more until they meet what is beside the opening, which tells a narrow
-//! gap from a window. Without lamps every patch glows.
+//! Light is followed from the lamps until it is absorbed or escapes. An open scene loses much of it, a closed
+//! one none. Where a little escapes, the last rays of its paths are tilted more and more until they meet what
+//! is beside the opening, which tells a narrow gap from a window. Without lamps every patch glows.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -35,7 +35,8 @@ const TILTS: [f64; 9] = [1.0 / 256.0, 1.0 / 128.0, 1.0 / 64.0, 1.0 / 32.0, 1.0 /
 
 /// Which share of the light of lamps escapes.
 ///
-/// Without lamps the insides and outsides of all things glow, and a leak shows only in a scene that has hardly an outside.
+/// Without lamps the insides and outsides of all things glow, and a leak shows only in a scene that has
+/// hardly an outside.
 pub(super) fn leaks(tracer: &Tracer, patches: &Patches, seed: u64) -> Finding {
     let starts = Starts::new(tracer, patches);
     let follow = |path| starts.of(path).and_then(|start| last_ray(tracer, start, seed, path));
@@ -157,8 +158,8 @@ fn last_ray(tracer: &Tracer, start: Facet, seed: u64, path: u32) -> Option<Ray> 
     None
 }
 
-/// The median width of the openings through which rays escape, normalised, and the faces beside the narrower half of
-/// them, the most often met first.
+/// The median width of the openings through which rays escape, normalised, and the faces beside the narrower
+/// half of them, the most often met first.
 fn openings(tracer: &Tracer, escaping: &[Ray]) -> (f64, Vec<usize>) {
     let step = escaping.len().div_ceil(MEASURED).max(1);
     let chosen = escaping.par_iter().step_by(step);

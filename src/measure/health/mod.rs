@@ -1,7 +1,9 @@
-//! Health: whether a mesh and its operator can be trusted, as findings, each with a measured value, a verdict and a remedy.
+//! Health: whether a mesh and its operator can be trusted, as findings, each with a measured value, a verdict
+//! and a remedy.
 //!
-//! [`mesh_health`] looks at what was modelled, [`operator_health`] at what was made of it. Corners at exactly the same
-//! position are one vertex here, whatever object they belong to; faces that were dropped count only where they are the topic.
+//! [`mesh_health`] looks at what was modelled, [`operator_health`] at what was made of it. Corners at exactly
+//! the same position are one vertex here, whatever object they belong to; faces that were dropped count only
+//! where they are the topic.
 
 mod closed;
 mod edges;
@@ -87,11 +89,11 @@ impl Finding {
     }
 }
 
-/// The health of a mesh: size, faces without area, duplicates, slivers, open and non-manifold edges, cracks, T-junctions, overlaps,
-/// winding, lamps and leaks.
+/// The health of a mesh: size, faces without area, duplicates, slivers, open and non-manifold edges, cracks,
+/// T-junctions, overlaps, winding, lamps and leaks.
 ///
-/// Rays find leaks and where lamps face, under the random sequence of number `seed`. Where nothing emits, `patches` stand in for
-/// lamps: all sides that see something ([`crate::patches::Reach::Everything`]).
+/// Rays find leaks and where lamps face, under the random sequence of number `seed`. Where nothing emits,
+/// `patches` stand in for lamps: all sides that see something ([`crate::patches::Reach::Everything`]).
 pub fn mesh_health(tracer: &Tracer, patches: &Patches, seed: u64) -> Vec<Finding> {
     let edges = Edges::new(tracer);
     let scene = tracer.scene();

@@ -16,8 +16,8 @@ pub struct ObjectOverlap {
     pub faces: Vec<usize>,
 }
 
-/// What overlaps with fronts that point the same way, by pairs of objects, the largest area first. Faces back to back are not
-/// listed: boxes stand on floors.
+/// What overlaps with fronts that point the same way, by pairs of objects, the largest area first. Faces back
+/// to back are not listed: boxes stand on floors.
 pub fn overlaps(tracer: &Tracer) -> Vec<ObjectOverlap> {
     let scene = tracer.scene();
     let mut by_objects: BTreeMap<[u32; 2], (f64, Vec<usize>)> = BTreeMap::new();

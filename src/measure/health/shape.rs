@@ -52,7 +52,8 @@ pub(super) fn zero_area(scene: &Scene) -> Finding {
     )
 }
 
-/// How many faces were dropped because an earlier one has the same corners in the same winding; bad if light is lost with them.
+/// How many faces were dropped because an earlier one has the same corners in the same winding; bad if light
+/// is lost with them.
 pub(super) fn duplicates(scene: &Scene) -> Finding {
     let dropped: Vec<usize> = with_state(scene, FaceState::Duplicate).collect();
     let finding = Finding::good("duplicate faces", dropped.len() as f64, Some("faces"));

@@ -1,4 +1,5 @@
-//! Beams: light from sources without area, as a walk looks for it from each of its places; the path tracer's own way.
+//! Beams: light from sources without area, as a walk looks for it from each of its places; the path tracer's
+//! own way.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -34,7 +35,8 @@ impl Beams {
         (!lights.is_empty() || sky.is_some()).then_some(Self { lights, sky, environment })
     }
 
-    /// What the sky sends from a direction: a share of the radiance that is left in `radiance` (per channel); none where there is no sky.
+    /// What the sky sends from a direction: a share of the radiance that is left in `radiance` (per channel);
+    /// none where there is no sky.
     #[inline]
     pub fn sky_from(&self, towards: DVec3, radiance: &mut [f64]) -> Option<f64> {
         let (shares, sky) = self.sky.as_ref()?;
@@ -45,7 +47,8 @@ impl Beams {
         Some(share)
     }
 
-    /// Calls `arrives(part, power)` for each part · power (per channel; `scratch` has as many values) of the irradiance at `place`, straight from lights and sky.
+    /// Calls `arrives(part, power)` for each part · power (per channel; `scratch` has as many values) of the
+    /// irradiance at `place`, straight from lights and sky.
     #[inline]
     pub fn look(
         &self,
@@ -81,7 +84,8 @@ impl Beams {
                     }
                 }
                 Light::Sun { direction, irradiance, diameter } => {
-                    // Draw a direction from the disc, uniform in solid angle; the disc's radiance is E / (π sin²α).
+                    // Draw a direction from the disc, uniform in solid angle; the disc's radiance is E / (π
+                    // sin²α).
                     let radius = (0.5 * diameter).to_radians();
                     let height = 1.0 - u * (1.0 - radius.cos());
                     let across = (1.0 - height * height).max(0.0).sqrt();

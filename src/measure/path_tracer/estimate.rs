@@ -1,9 +1,10 @@
 //! Estimate: means, standard errors and counts of what paths have found so far.
 //!
-//! Paths come in *batches*, the points of one scrambled sequence; batches are independent, and their means are what
-//! standard errors are made of. The batches of a patch belong to two halves, and how many a half gets is decided by what the first round of
-//! the *other* half has found: so what a patch happens to draw never decides how often it is drawn again, which would bias its mean
-//! (Kirk & Arvo 1991). The estimate is the plain mean of both halves.
+//! Paths come in *batches*, the points of one scrambled sequence; batches are independent, and their means
+//! are what standard errors are made of. The batches of a patch belong to two halves, and how many a half
+//! gets is decided by what the first round of the *other* half has found: so what a patch happens to draw
+//! never decides how often it is drawn again, which would bias its mean (Kirk & Arvo 1991). The estimate is
+//! the plain mean of both halves.
 
 use nalgebra::DMatrix;
 
@@ -11,7 +12,8 @@ use super::super::ReferenceRow;
 use super::photons::Photons;
 use crate::patches::{FaceRow, Patches};
 
-/// Paths in a batch: the more the better they complement each other; where there are many patches, few, for all of them want some.
+/// Paths in a batch: the more the better they complement each other; where there are many patches, few, for
+/// all of them want some.
 fn batch_for(patches: usize) -> u32 {
     if patches <= 1 << 15 { 8 } else { 2 }
 }
@@ -38,7 +40,8 @@ pub struct PathTraced {
 pub(super) struct Half {
     /// Per patch.
     pub batches: Vec<u32>,
-    /// Per patch, then bounce (the last is all bounces together), then channel: sum of batch means, and of their squares.
+    /// Per patch, then bounce (the last is all bounces together), then channel: sum of batch means, and of
+    /// their squares.
     pub sums: Vec<[f64; 2]>,
     /// Per patch: √A σ of the first round, by which the other half's paths are shared out; none before it.
     pub spread: Vec<f64>,
@@ -67,8 +70,8 @@ impl Half {
         (mean, variance)
     }
 
-    /// (Σx)²/Σx² of a patch's batch means x from all bounces, the largest over channels: as many batches would have to bring light, and
-    /// all alike, for the same relative noise.
+    /// (Σx)²/Σx² of a patch's batch means x from all bounces, the largest over channels: as many batches
+    /// would have to bring light, and all alike, for the same relative noise.
     fn effective_batches(&self, patch: usize, total: usize, channels: usize) -> f64 {
         let first = patch * (total + channels) + total;
         let of = |&[sum, squares]: &[f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
@@ -147,8 +150,8 @@ impl PathTraced {
         u64::from(batches) * u64::from(self.batch)
     }
 
-    /// Degrees of freedom of a patch's standard errors: half of what normal batch means would have, for these are skewed, and chance
-    /// makes a small standard error of a few of them more easily.
+    /// Degrees of freedom of a patch's standard errors: half of what normal batch means would have, for these
+    /// are skewed, and chance makes a small standard error of a few of them more easily.
     ///
     /// Without photons only as many batches count as bring light in effect, (Σx)²/Σx² of their means x (Kish
     /// 1965): where one path in thousands finds the light of a patch, what was found by few tells neither its
@@ -166,8 +169,8 @@ impl PathTraced {
         self.estimate(patch, self.bounces * self.channels + channel)
     }
 
-    /// The part of a patch's irradiance that, reflected, is bounce k of its radiance: ρ/π times it estimates KᵏE. For k from 1 to
-    /// [`PathTraced::bounces`], W·m⁻².
+    /// The part of a patch's irradiance that, reflected, is bounce k of its radiance: ρ/π times it estimates
+    /// KᵏE. For k from 1 to [`PathTraced::bounces`], W·m⁻².
     ///
     /// # Panics
     /// If bounce k is not kept apart.
@@ -198,7 +201,8 @@ impl PathTraced {
         DMatrix::from_fn(self.len(), self.channels, |i, c| self.irradiance(i, c).standard_error)
     }
 
-    /// The standard error of all patches together: √(ΣA se² / ΣA H²) over all channels; 0 where no light arrives at all.
+    /// The standard error of all patches together: √(ΣA se² / ΣA H²) over all channels; 0 where no light
+    /// arrives at all.
     pub fn relative_standard_error(&self) -> f64 {
         let (mut noise, mut whole) = (0.0, 0.0);
         for (i, area) in self.areas.iter().enumerate() {
@@ -215,7 +219,8 @@ impl PathTraced {
         }
     }
 
-    /// Irradiance of faces, weighted by area as [`Patches::average_by_face`] does: a row per face and side that has patches.
+    /// Irradiance of faces, weighted by area as [`Patches::average_by_face`] does: a row per face and side
+    /// that has patches.
     ///
     /// # Panics
     /// If `patches` are not those that paths were traced from.

@@ -12,7 +12,8 @@ pub(super) struct Lights {
     faces: Vec<Light>,
     /// Chance of each face and all before it.
     cumulative: Vec<f64>,
-    /// Per face of the scene: density of its points per unit of normalised area; 0 for those that do not emit.
+    /// Per face of the scene: density of its points per unit of normalised area; 0 for those that do not
+    /// emit.
     density: Vec<f64>,
 }
 

@@ -1,8 +1,11 @@
-//! Path tracer: an independent witness, the light on every patch by following random light paths on the surfaces themselves.
+//! Path tracer: an independent witness, the light on every patch by following random light paths on the
+//! surfaces themselves.
 //!
-//! Light from points and suns that mirrors and glass throw on surfaces is found by no path that starts where light is wanted, and the spot
-//! of a light right before a surface by hardly any; photons bring both, from the other end. It shares nothing with the solvers but the scene, the tracer and the numbering of patches: no form factors, no patches that are
-//! bright or dark all over. It is unbiased, and says how far off it may be by standard errors.
+//! Light from points and suns that mirrors and glass throw on surfaces is found by no path that starts where
+//! light is wanted, and the spot of a light right before a surface by hardly any; photons bring both, from
+//! the other end. It shares nothing with the solvers but the scene, the tracer and the numbering of patches:
+//! no form factors, no patches that are bright or dark all over. It is unbiased, and says how far off it may
+//! be by standard errors.
 
 mod beams;
 mod estimate;
@@ -46,10 +49,12 @@ pub struct PathOptions<'a> {
     pub budget: Budget,
     /// Bounces that are kept apart; memory grows in proportion, 32 bytes a patch, bounce and channel.
     pub bounces: usize,
-    /// The longest paths, in reflections after the first bounce of light from lamps; `None` for all there are. Anything else is biased: it leaves out
-    /// later bounces, to compare with other programs or truncated series.
+    /// The longest paths, in reflections after the first bounce of light from lamps; `None` for all there
+    /// are. Anything else is biased: it leaves out later bounces, to compare with other programs or truncated
+    /// series.
     pub longest: Option<usize>,
-    /// Number of the random sequences. With a budget of paths or of standard error the same seed gives the same bits.
+    /// Number of the random sequences. With a budget of paths or of standard error the same seed gives the
+    /// same bits.
     pub seed: u64,
     /// Where to report progress, as stage `reference`.
     pub progress: Progress<'a>,
@@ -81,8 +86,9 @@ impl<'t, 's> PathTracer<'t, 's> {
         Self { walker: Walker::new(tracer), thrower: Thrower::new(tracer) }
     }
 
-    /// Radiance that arrives along `ray`, per channel, W·sr⁻¹·m⁻²: one path, by point `k` of `sequence` from dimension set 1 on. Adds it
-    /// to `radiance`; answers what the ray met first. What only photons bring is not part of it.
+    /// Radiance that arrives along `ray`, per channel, W·sr⁻¹·m⁻²: one path, by point `k` of `sequence` from
+    /// dimension set 1 on. Adds it to `radiance`; answers what the ray met first. What only photons bring is
+    /// not part of it.
     ///
     /// # Panics
     /// If `radiance` has not c values.
@@ -153,8 +159,8 @@ impl<'t, 's> PathTracer<'t, 's> {
         Ok(estimate)
     }
 
-    /// Goes on with an estimate until another budget is used up. A wanted standard error is that of the whole estimate, time and
-    /// paths are those to be added. With the same seed, paths are new ones all the same.
+    /// Goes on with an estimate until another budget is used up. A wanted standard error is that of the whole
+    /// estimate, time and paths are those to be added. With the same seed, paths are new ones all the same.
     ///
     /// # Errors
     /// `Budget` or `Cancelled`; the estimate is then as it was after its last whole round.

@@ -1,5 +1,5 @@
-//! Near: the faces right beside a light with a place. What it sends there falls on a spot so small that paths from where light is wanted
-//! hardly ever find it; photons bring it.
+//! Near: the faces right beside a light with a place. What it sends there falls on a spot so small that paths
+//! from where light is wanted hardly ever find it; photons bring it.
 
 use crate::scene::{FaceState, Light, distance_to};
 use crate::trace::Tracer;

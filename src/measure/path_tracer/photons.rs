@@ -1,9 +1,11 @@
-//! Photons: light from points and suns by way of mirrors, metals and glass, and light that falls right beside its source, followed
-//! forwards to where it lands and from there on.
+//! Photons: light from points and suns by way of mirrors, metals and glass, and light that falls right beside
+//! its source, followed forwards to where it lands and from there on.
 //!
-//! A photon of the first kind starts towards the ball around all carriers, and counts where a carrier is the first thing it meets and turns
-//! it. One of the second kind starts in any direction, and counts where it meets a face near its light straight. On every diffuse surface it brings its flux, and goes on with the part ρ of it in a direction of density cos θ/π, or as its coat lets light out. Photons come in batches, the points of
-//! one scrambled sequence, whose spread tells the standard error.
+//! A photon of the first kind starts towards the ball around all carriers, and counts where a carrier is the
+//! first thing it meets and turns it. One of the second kind starts in any direction, and counts where it
+//! meets a face near its light straight. On every diffuse surface it brings its flux, and goes on with the
+//! part ρ of it in a direction of density cos θ/π, or as its coat lets light out. Photons come in batches,
+//! the points of one scrambled sequence, whose spread tells the standard error.
 
 use std::f64::consts::{PI, TAU};
 
@@ -94,7 +96,8 @@ impl Ball {
 }
 
 impl Thrower {
-    /// That of a scene; none where it has no such lights, or neither something that turns their light nor a face near one.
+    /// That of a scene; none where it has no such lights, or neither something that turns their light nor a
+    /// face near one.
     pub fn new(tracer: &Tracer) -> Option<Self> {
         let lights: Vec<_> =
             tracer.scene().lights().map(|light| (light.clone(), near_faces(tracer, light))).collect();

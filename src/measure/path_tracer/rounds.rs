@@ -1,8 +1,8 @@
 //! Rounds: how many paths each patch gets, and when to stop.
 //!
-//! A first round gives every patch the same few batches. Each later round at most doubles the paths and shares them out so that the
-//! area-weighted sum of squared standard errors falls fastest: n ∝ √A σ (Neyman 1934), with a floor for patches that have not yet
-//! seen how much they vary.
+//! A first round gives every patch the same few batches. Each later round at most doubles the paths and
+//! shares them out so that the area-weighted sum of squared standard errors falls fastest: n ∝ √A σ (Neyman
+//! 1934), with a floor for patches that have not yet seen how much they vary.
 
 use super::estimate::{Half, PathTraced};
 
@@ -15,7 +15,8 @@ const FLOOR: f64 = 0.3;
 /// When to stop; whichever comes first.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Budget {
-    /// The relative standard error of all patches together that is enough ([`PathTraced::relative_standard_error`]).
+    /// The relative standard error of all patches together that is enough
+    /// ([`PathTraced::relative_standard_error`]).
     pub standard_error: Option<f64>,
     /// Wall-clock time, seconds.
     pub seconds: Option<f64>,
@@ -31,7 +32,8 @@ impl Budget {
         bounded && positive(self.standard_error) && positive(self.seconds) && self.paths != Some(0)
     }
 
-    /// How many more paths are wanted, at the price so far; 0 when the work is done. `seconds` and `paths` are those of this call.
+    /// How many more paths are wanted, at the price so far; 0 when the work is done. `seconds` and `paths`
+    /// are those of this call.
     pub(super) fn left(&self, estimate: &PathTraced, seconds: f64, paths: u64) -> f64 {
         /// The least worth starting a round for, as a part of the paths so far.
         const LEAST: f64 = 0.02;

@@ -1,7 +1,7 @@
 //! Surroundings: directions into a picture around the scene; the path tracer's own way of drawing them.
 //!
-//! Half of them by the cosine, half by a list of all texels, each weighted by the brightest of it and its neighbours; the two are one
-//! density, their mean (Veach & Guibas 1995: the balance heuristic).
+//! Half of them by the cosine, half by a list of all texels, each weighted by the brightest of it and its
+//! neighbours; the two are one density, their mean (Veach & Guibas 1995: the balance heuristic).
 
 use std::f64::consts::TAU;
 
@@ -37,7 +37,8 @@ impl Surroundings {
         Self { sums }
     }
 
-    /// A direction over a surface, and the inverse of its density per unit of solid angle; 0 below the horizon.
+    /// A direction over a surface, and the inverse of its density per unit of solid angle; 0 below the
+    /// horizon.
     #[inline]
     pub fn sample(&self, environment: &Environment, normal: DVec3, [s, t]: [f64; 2]) -> (DVec3, f64) {
         let towards = if s < 0.5 {

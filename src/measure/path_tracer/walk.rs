@@ -1,13 +1,15 @@
 //! Walk: one light path, followed backwards from where light is wanted.
 //!
-//! The irradiance at x is H(x) = π ∫ L(x, ω) cos θ/π dω. With ω drawn with density cos θ/π and y what it meets,
+//! The irradiance at x is H(x) = π ∫ L(x, ω) cos θ/π dω. With ω drawn with density cos θ/π and y what it
+//! meets,
 //!
 //! H(x) = E\[ π Lₑ(y) + ρ(y) H(y) \],
 //!
-//! so that a walk over y, y′, … sums up ρ(y) ρ(y′) … · π Lₑ. On a sheet there is τ(y) times the H of its other side beside; the walk follows one of the two,
-//! by chance. Lamps are found twice at every step: by ω, and by a point drawn on them. The
-//! two are joined by multiple importance sampling with the power heuristic (Veach 1997, eq. 9.13). So it is at rough conductors and coats, which stand
-//! between x and y as mirrors and glass do, but have directions enough for a lamp to be found by either way.
+//! so that a walk over y, y′, … sums up ρ(y) ρ(y′) … · π Lₑ. On a sheet there is τ(y) times the H of its
+//! other side beside; the walk follows one of the two, by chance. Lamps are found twice at every step: by ω,
+//! and by a point drawn on them. The two are joined by multiple importance sampling with the power heuristic
+//! (Veach 1997, eq. 9.13). So it is at rough conductors and coats, which stand between x and y as mirrors and
+//! glass do, but have directions enough for a lamp to be found by either way.
 
 use std::f64::consts::PI;
 
@@ -74,7 +76,8 @@ pub(super) struct Met {
     pub hit: Hit,
     /// Of the last ray.
     pub direction: DVec3,
-    /// Its density per unit solid angle, where lamps are looked for from where it started; none after mirrors and glass.
+    /// Its density per unit solid angle, where lamps are looked for from where it started; none after mirrors
+    /// and glass.
     pub density: Option<f64>,
     /// Whether it was met straight, with nothing but thin glass in between.
     pub is_straight: bool,
@@ -168,8 +171,9 @@ impl<'t, 's> Walker<'t, 's> {
         }
     }
 
-    /// Where light arrived that leaves from where a ray ended: on that side, or on the other of a sheet, decided by `way`. Multiplies `weight` by the part
-    /// that goes on from there, per channel, over the chance of going there.
+    /// Where light arrived that leaves from where a ray ended: on that side, or on the other of a sheet,
+    /// decided by `way`. Multiplies `weight` by the part that goes on from there, per channel, over the
+    /// chance of going there.
     #[inline]
     pub fn follow(&self, hit: &Hit, way: f64, weight: &mut [f64]) -> Place<'t> {
         let mut own = [0.0; 3];
@@ -203,10 +207,10 @@ impl<'t, 's> Walker<'t, 's> {
         }
     }
 
-    /// Walks on from `place`, first in direction `first` of the unit square. Calls `arrives(k, part, weight, emission)` for each part
-    /// part·weight·emission (per channel) of the irradiance at `place` that, reflected there, is bounce k of the light: 0 for what comes straight
-    /// from a light without area. `weight` is scratch: two values a
-    /// channel. No more than `longest` reflections of what lamps emit.
+    /// Walks on from `place`, first in direction `first` of the unit square. Calls `arrives(k, part, weight,
+    /// emission)` for each part part·weight·emission (per channel) of the irradiance at `place` that,
+    /// reflected there, is bounce k of the light: 0 for what comes straight from a light without area.
+    /// `weight` is scratch: two values a channel. No more than `longest` reflections of what lamps emit.
     #[inline]
     pub fn irradiance(
         &self,
@@ -291,8 +295,10 @@ impl<'t, 's> Walker<'t, 's> {
         }
     }
 
-    /// Where a ray ends that carriers pass on from `hit`, by one way at each. Its weight takes on their colours; beside it there is scratch, both a value a channel. Calls `lamp_seen(part, weight, emission)` for each
-    /// part·weight·emission of the radiance that comes straight from a lamp by a rough conductor or a coat and was looked for there.
+    /// Where a ray ends that carriers pass on from `hit`, by one way at each. Its weight takes on their
+    /// colours; beside it there is scratch, both a value a channel. Calls `lamp_seen(part, weight, emission)`
+    /// for each part·weight·emission of the radiance that comes straight from a lamp by a rough conductor or
+    /// a coat and was looked for there.
     pub fn beyond_carriers(
         &self,
         mut ray: Ray,
@@ -352,8 +358,8 @@ impl<'t, 's> Walker<'t, 's> {
         share(by_direction, self.lights.density(hit.face) * hit.distance * hit.distance / cosine)
     }
 
-    /// A point on a lamp that is seen from a rough conductor: calls `seen(part, tint, (face, point))` for parts of the radiance that is sent on, per unit of
-    /// its emission.
+    /// A point on a lamp that is seen from a rough conductor: calls `seen(part, tint, (face, point))` for
+    /// parts of the radiance that is sent on, per unit of its emission.
     fn look_at_light_from<'w>(
         &'w self,
         glossy: &Glossy<'w>,
@@ -381,7 +387,8 @@ impl<'t, 's> Walker<'t, 's> {
         }
     }
 
-    /// A point on a lamp that is seen from `place`: irradiance per unit of its emission, its face, and where on it.
+    /// A point on a lamp that is seen from `place`: irradiance per unit of its emission, its face, and where
+    /// on it.
     #[inline]
     fn look_at_light(&self, place: &Place, square: [f64; 2]) -> Option<(f64, u32, [f64; 2])> {
         let light = self.lights.sample(square)?;

@@ -19,7 +19,8 @@ pub struct Conclusions {
     pub resolution: f64,
     /// Numbers of the matrix rows that no other matrix row beats in both time and error, the quickest first.
     pub front: Vec<usize>,
-    /// The row with the least error: the second witness beside the reference, which shares nothing with it but the scene and the tracer.
+    /// The row with the least error: the second witness beside the reference, which shares nothing with it
+    /// but the scene and the tracer.
     pub best: Option<usize>,
     /// Error against patches, rays at their best.
     pub patches: Option<Trend>,
@@ -44,7 +45,8 @@ pub struct OrderTrend {
     pub converged: usize,
     /// What each order leaves of the error of truncation; none if too few orders tell.
     pub factor: Option<f64>,
-    /// The first order in the study whose error exceeds that of the whole solution by less than a tenth, if there is one.
+    /// The first order in the study whose error exceeds that of the whole solution by less than a tenth, if
+    /// there is one.
     pub enough: Option<usize>,
 }
 
@@ -66,7 +68,8 @@ pub struct Solving {
 pub struct Target {
     /// The error asked for.
     pub accuracy: f64,
-    /// Number of the quickest matrix row that is known to be no worse; of rows as quick for all that one can tell, one that is solved to the end.
+    /// Number of the quickest matrix row that is known to be no worse; of rows as quick for all that one can
+    /// tell, one that is solved to the end.
     pub row: usize,
     /// Seconds that light paths would take for it.
     pub paths_seconds: Option<f64>,

@@ -1,5 +1,5 @@
-//! Front: the rows that no other beats in both time and error (Pareto 1896), the quickest first. Times within 5 % of each other are the
-//! same: clocks on a busy machine tell no more.
+//! Front: the rows that no other beats in both time and error (Pareto 1896), the quickest first. Times within
+//! 5 % of each other are the same: clocks on a busy machine tell no more.
 
 use super::row::StudyRow;
 
@@ -11,7 +11,8 @@ pub(super) fn front(rows: &[StudyRow], of_it: impl Fn(&StudyRow) -> bool) -> Vec
     let mut order: Vec<usize> = (0..rows.len()).filter(|&k| of_it(&rows[k])).collect();
     let error = |k: usize| rows[k].reading().most();
     order.sort_by(|&a, &b| rows[a].seconds.total_cmp(&rows[b].seconds).then(error(a).total_cmp(&error(b))));
-    // With each row the time of the quickest row that it stands for: were it held against the row before, times could drift.
+    // With each row the time of the quickest row that it stands for: were it held against the row before,
+    // times could drift.
     let mut front: Vec<(usize, f64)> = Vec::new();
     for k in order {
         let seconds = rows[k].seconds;

@@ -29,8 +29,8 @@ pub struct Cell {
 }
 
 impl Grid {
-    /// A grid for a scene whose faces have so many sides that light reaches: three values a knob, and more as long as an ordinary
-    /// machine gets all of them done in `time`.
+    /// A grid for a scene whose faces have so many sides that light reaches: three values a knob, and more as
+    /// long as an ordinary machine gets all of them done in `time`.
     ///
     /// Depends on no clock, so that the same scene and time give the same grid anywhere.
     pub fn for_scene(sides: usize, time: Duration) -> Self {
@@ -40,7 +40,8 @@ impl Grid {
         let ladder = |first: usize| (0..FEWEST as u32).map(move |k| first * STEP.pow(k));
         let mut grid =
             Self { patches: ladder(coarsest).collect(), rays: ladder(16).map(|rays| rays as u32).collect() };
-        // The knob with fewer values grows first; of equals patches, for their error is seldom gone while that of rays still is there.
+        // The knob with fewer values grows first; of equals patches, for their error is seldom gone while
+        // that of rays still is there.
         while let (Some(&patches), Some(&rays)) = (grid.patches.last(), grid.rays.last()) {
             let mut larger = grid.clone();
             if larger.rays.len() < larger.patches.len() {
@@ -71,8 +72,8 @@ impl Grid {
 }
 
 impl Cell {
-    /// How often it is measured, each time with other random numbers: oftener where that costs little. Never once, for the spread
-    /// between answers is part of what is measured.
+    /// How often it is measured, each time with other random numbers: oftener where that costs little. Never
+    /// once, for the spread between answers is part of what is measured.
     pub fn repeats(&self) -> usize {
         const RAYS_IN_ALL: usize = 1 << 21;
         (RAYS_IN_ALL / (self.patches * self.rays as usize).max(1)).clamp(2, 24)

@@ -1,8 +1,9 @@
 //! Study: what accuracy costs in time.
 //!
-//! A [`Study`] first traces a reference by light paths, then solves the scene with every number of patches, rays and every solver and order of a
-//! [`Grid`], and holds each answer's irradiance by face against the reference. It goes on step by step with [`Study::advance`], so that
-//! whoever runs it can keep what is there, stop, and resume another time.
+//! A [`Study`] first traces a reference by light paths, then solves the scene with every number of patches,
+//! rays and every solver and order of a [`Grid`], and holds each answer's irradiance by face against the
+//! reference. It goes on step by step with [`Study::advance`], so that whoever runs it can keep what is
+//! there, stop, and resume another time.
 
 mod conclusions;
 mod front;
@@ -40,14 +41,15 @@ const REFERENCE_SHARE: f64 = 0.4;
 pub struct StudyOptions<'a> {
     /// Wall-clock time for all of it. What does not fit is left out, the dearest first.
     pub time: Duration,
-    /// Noise of the reference that is small enough, relative root mean square by face. Time falls as its square.
+    /// Noise of the reference that is small enough, relative root mean square by face. Time falls as its
+    /// square.
     pub noise: f64,
     /// What to try; `None` for [`Grid::for_scene`].
     pub grid: Option<Grid>,
     /// How light varies over a patch.
     pub basis: Basis,
-    /// Number of the random sequences. The same seed gives the same errors, if the reference reaches `noise` in time or has as many
-    /// paths as it had.
+    /// Number of the random sequences. The same seed gives the same errors, if the reference reaches `noise`
+    /// in time or has as many paths as it had.
     pub seed: u64,
     /// The most bytes patches, operators and factors may each take.
     pub memory: u64,
@@ -141,8 +143,8 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
         })
     }
 
-    /// A number that tells whether errors belong together: of everything in the scene, the program's version, seed, basis, and
-    /// threads, which times depend on.
+    /// A number that tells whether errors belong together: of everything in the scene, the program's version,
+    /// seed, basis, and threads, which times depend on.
     pub fn key(&self) -> u64 {
         let mut hash = Hasher(Xxh3::new());
         let StudyOptions { seed, basis, .. } = self.options;
@@ -161,7 +163,8 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
         self.reference = Some(reference);
     }
 
-    /// Does the next step: the reference, then light paths against it, then a cell of the grid. False where nothing is left to do.
+    /// Does the next step: the reference, then light paths against it, then a cell of the grid. False where
+    /// nothing is left to do.
     ///
     /// # Errors
     /// Those of tracing and solving; `Cancelled`. What was measured before stays.

@@ -1,10 +1,12 @@
 //! Reference: irradiance of every side of every face by light paths, and how far answers are from it.
 //!
-//! Paths double until their noise is small enough or the time for them is up. A difference d from a reference of standard error σ
-//! has E d² = (true difference)² + σ², so that ΣA(d² − σ²) is an unbiased estimate of what is wrong with the answer alone.
+//! Paths double until their noise is small enough or the time for them is up. A difference d from a reference
+//! of standard error σ has E d² = (true difference)² + σ², so that ΣA(d² − σ²) is an unbiased estimate of
+//! what is wrong with the answer alone.
 //!
-//! Sides on which no path finds light, such as those inside a solid that stands on a floor, are dark. What patches astride the
-//! solid's edge leak onto them is told apart, as a share of all light, and is no part of the error.
+//! Sides on which no path finds light, such as those inside a solid that stands on a floor, are dark. What
+//! patches astride the solid's edge leak onto them is told apart, as a share of all light, and is no part of
+//! the error.
 
 use std::time::{Duration, Instant};
 
@@ -55,7 +57,8 @@ fn by_name<S: serde::Serializer>(side: &Side, serializer: S) -> Result<S::Ok, S:
 /// How far answers are from the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceError {
-    /// √(ΣA(d² − σ²) / ΣA(H² − σ²)) over all channels, answers and sides that are not dark; 0 where noise is all there is.
+    /// √(ΣA(d² − σ²) / ΣA(H² − σ²)) over all channels, answers and sides that are not dark; 0 where noise is
+    /// all there is.
     pub error: f64,
     /// Its standard error, by the noise of the reference and the spread between answers.
     pub error_se: f64,
@@ -72,7 +75,8 @@ impl ReferenceSide {
 }
 
 impl StudyReference {
-    /// Traces paths from `sides`, patches that are whole sides of faces, until the noise is `enough` or, about, the time is up.
+    /// Traces paths from `sides`, patches that are whole sides of faces, until the noise is `enough` or,
+    /// about, the time is up.
     ///
     /// # Errors
     /// `Cancelled`.
@@ -125,7 +129,8 @@ impl StudyReference {
         relative_root(noise, self.whole())
     }
 
-    /// Errors below this can't be told from nothing: two standard deviations of what noise alone makes of ΣA(d² − σ²).
+    /// Errors below this can't be told from nothing: two standard deviations of what noise alone makes of
+    /// ΣA(d² − σ²).
     pub fn resolution(&self) -> f64 {
         let of = |s: &ReferenceSide| {
             let own: f64 = s.standard_error.iter().map(|e| e * e).sum();
@@ -143,8 +148,8 @@ impl StudyReference {
         self.sides.iter().map(of).sum()
     }
 
-    /// The error of several answers to the same question, each a row per side in order of face and side. A side that an answer lacks is
-    /// dark there.
+    /// The error of several answers to the same question, each a row per side in order of face and side. A
+    /// side that an answer lacks is dark there.
     ///
     /// # Panics
     /// If there is no answer.
@@ -244,7 +249,8 @@ mod tests {
         let sure = reference(&[1.0], 0.0);
         let error = sure.error_of(&[answer(&[1.1]), answer(&[1.3])]);
         assert!((error.error - 0.05f64.sqrt()).abs() < 1e-12, "the mean of the squares");
-        // Excesses 0.01 and 0.09: their mean has a standard error of 0.04, and the root's slope is 1 / (2 · 0.224).
+        // Excesses 0.01 and 0.09: their mean has a standard error of 0.04, and the root's slope is 1 / (2 ·
+        // 0.224).
         assert!((error.error_se - 0.1).abs() < 0.01, "{error:?}");
     }
 

@@ -29,11 +29,13 @@ pub struct StudyRow {
     pub solver: StudySolver,
     /// Order at which the series was truncated; none of other solvers.
     pub order: Option<usize>,
-    /// Wall-clock time from the mesh to irradiance, the median over repeats: cutting, tracing, balancing and solving.
+    /// Wall-clock time from the mesh to irradiance, the median over repeats: cutting, tracing, balancing and
+    /// solving.
     pub seconds: f64,
     /// Bytes that the operator takes, with factors where there are any.
     pub bytes: u64,
-    /// Area-weighted relative root mean square error of irradiance by face, the reference's noise taken off; over all repeats.
+    /// Area-weighted relative root mean square error of irradiance by face, the reference's noise taken off;
+    /// over all repeats.
     pub error: f64,
     /// Standard error of `error`: by the reference's noise and the spread between repeats.
     pub error_se: f64,

@@ -133,8 +133,8 @@ fn solve_options<'a>(way: &Way, memory: u64, progress: Progress<'a>) -> SolveOpt
     }
 }
 
-/// Light paths of their own against those of the reference, from few to as many as still stand out from its noise; none where that is so
-/// noisy that even few do not.
+/// Light paths of their own against those of the reference, from few to as many as still stand out from its
+/// noise; none where that is so noisy that even few do not.
 pub(super) fn measure_paths(
     tracer: &Tracer,
     sides: &Patches,

@@ -1,7 +1,7 @@
 //! Trend: how error falls when one knob is turned and all others stay.
 //!
-//! Error ∝ xˢ is a straight line in logarithms. It is fitted to the stretch on which turning the knob still helps; where something
-//! else rules, error stays as it is, and a slope through that would mean nothing.
+//! Error ∝ xˢ is a straight line in logarithms. It is fitted to the stretch on which turning the knob still
+//! helps; where something else rules, error stays as it is, and a slope through that would mean nothing.
 
 use serde::Serialize;
 
@@ -29,8 +29,8 @@ impl Slope {
         self.at_one * x.powf(self.slope)
     }
 
-    /// The least squares line through (x, y, standard error of y) in logarithms; none through fewer than three points, or where all x
-    /// are the same.
+    /// The least squares line through (x, y, standard error of y) in logarithms; none through fewer than
+    /// three points, or where all x are the same.
     pub fn fit(points: &[[f64; 3]]) -> Option<Self> {
         let sound = |p: &&[f64; 3]| p[0] > 0.0 && p[1] > 0.0 && p.iter().all(|x| x.is_finite());
         let logs: Vec<[f64; 3]> =

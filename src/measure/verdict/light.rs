@@ -153,8 +153,8 @@ pub(super) fn imbalance(answer: &Answer, explained: f64) -> Option<Reason> {
         .then(|| Reason::new(Cause::EnergyImbalance, level, Some(share), Vec::new(), answer.tracer.scene()))
 }
 
-/// Faces that others in their plane with the same front cover; none where no light has to do with them, as with undersides of what stands
-/// on a floor.
+/// Faces that others in their plane with the same front cover; none where no light has to do with them, as
+/// with undersides of what stands on a floor.
 pub(super) fn overlaps(answer: &Answer) -> Option<Reason> {
     let overlaps = answer.tracer.overlaps().iter().filter(|overlap| overlap.kind == OverlapKind::SameFront);
     let faces: Vec<usize> = overlaps.flat_map(|overlap| overlap.faces).map(|face| face as usize).collect();

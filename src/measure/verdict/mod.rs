@@ -162,8 +162,9 @@ pub struct Reason {
     pub faces: Vec<usize>,
     /// Names of their objects, in the same order, each once.
     pub objects: Vec<String>,
-    /// The part of the emitted power that is concerned, or, of faces that are only known to overlap or disagree,
-    /// of all light that arrives anywhere; in the channel where it is largest. None where that can't be told.
+    /// The part of the emitted power that is concerned, or, of faces that are only known to overlap or
+    /// disagree, of all light that arrives anywhere; in the channel where it is largest. None where that
+    /// can't be told.
     pub power_share: Option<f64>,
     /// What to do about it.
     pub remedy: &'static str,
@@ -252,7 +253,8 @@ pub struct Verdict {
 impl Verdict {
     /// Judges an answer.
     ///
-    /// It costs three products with the matrix, and, where rays escape, up to a quarter of a million solid angles.
+    /// It costs three products with the matrix, and, where rays escape, up to a quarter of a million solid
+    /// angles.
     pub fn of(answer: &Answer) -> Self {
         let mut reasons = light::not_finite(answer);
         // Nothing can be added up where numbers are missing.

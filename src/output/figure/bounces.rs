@@ -1,4 +1,5 @@
-//! Bounces: how light builds up. A column per order k: the sum E + KE + … + KᵏE above, the bounce KᵏE alone below.
+//! Bounces: how light builds up. A column per order k: the sum E + KE + … + KᵏE above, the bounce KᵏE alone
+//! below.
 
 use std::io::{self, Write};
 
@@ -54,7 +55,8 @@ impl BouncePictures {
     }
 }
 
-/// Writes all orders as PNG: sums at one exposure, that of the last; bounces that much brighter as their labels say.
+/// Writes all orders as PNG: sums at one exposure, that of the last; bounces that much brighter as their
+/// labels say.
 ///
 /// # Errors
 /// Those of `writer`.
@@ -98,7 +100,8 @@ pub fn write_bounces(writer: &mut dyn Write, orders: &[BouncePictures]) -> io::R
     canvas.write_png(writer)
 }
 
-/// How many times as much light there is in the sum as in the bounce, beside lamps; a whole number of at most two digits and zeros.
+/// How many times as much light there is in the sum as in the bounce, beside lamps; a whole number of at most
+/// two digits and zeros.
 fn brightening(sum: &Picture, bounce: &Picture) -> f64 {
     let light = |picture: &Picture| -> f64 {
         let beside_lamps = picture.pixels.iter().zip(&picture.lamps).filter(|(_, lamp)| lamp.share == 0.0);

@@ -1,8 +1,8 @@
 //! Comparison: an answer, its reference, and the signed difference of the two, side by side.
 //!
-//! The difference is that of luminance, in per cent of the reference's mean luminance beside lamps. Since the reference is
-//! noisy, the difference is averaged over small squares, and the colour scale ends where all but a fiftieth of the picture
-//! lies within it.
+//! The difference is that of luminance, in per cent of the reference's mean luminance beside lamps. Since the
+//! reference is noisy, the difference is averaged over small squares, and the colour scale ends where all but
+//! a fiftieth of the picture lies within it.
 
 use std::io::{self, Write};
 
@@ -33,11 +33,11 @@ pub struct ComparisonOptions<'a> {
     pub notes: [&'a str; 2],
     /// How bright answer and reference are shown; by default as suits the reference.
     pub exposure: Option<Exposure>,
-    /// Where the colour scale ends, as a share of the reference's mean; by default at a round number that 98 % of the
-    /// differences stay below.
+    /// Where the colour scale ends, as a share of the reference's mean; by default at a round number that 98
+    /// % of the differences stay below.
     pub range: Option<f64>,
-    /// Differences are averaged over squares of 2r + 1 pixels, 0 to 16; this is r. Noise falls by more than that factor, details of
-    /// so many pixels are lost.
+    /// Differences are averaged over squares of 2r + 1 pixels, 0 to 16; this is r. Noise falls by more than
+    /// that factor, details of so many pixels are lost.
     pub radius: usize,
 }
 
@@ -97,8 +97,8 @@ pub fn write_comparison(
     canvas.write_png(writer)
 }
 
-/// (matrix − reference) / mean of the reference beside lamps, in luminance, averaged over squares around each pixel; 0 where
-/// there are lamps, whose edges would drown the rest.
+/// (matrix − reference) / mean of the reference beside lamps, in luminance, averaged over squares around each
+/// pixel; 0 where there are lamps, whose edges would drown the rest.
 fn relative_difference(matrix: &Picture, reference: &Picture, radius: usize) -> Vec<f64> {
     let luminances = |picture: &Picture| -> Vec<f64> {
         let value = |p: &[f32; 3]| Some(luminance(p.map(f64::from))).filter(|y| y.is_finite()).unwrap_or(0.0);

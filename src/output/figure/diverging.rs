@@ -1,7 +1,7 @@
 //! Diverging colours: white for nothing, red for more, blue for less; equal amounts look equally strong.
 //!
-//! Lightness falls in proportion to the amount, in the colour space OKLab (Ottosson 2020), the same on both sides. Red and
-//! blue are told apart with any kind of colour blindness.
+//! Lightness falls in proportion to the amount, in the colour space OKLab (Ottosson 2020), the same on both
+//! sides. Red and blue are told apart with any kind of colour blindness.
 
 use super::super::tone::to_byte;
 use super::canvas::Colour;
@@ -12,7 +12,8 @@ const CHROMA: f64 = 0.15;
 const MORE: f64 = 0.70;
 const LESS: f64 = 4.45;
 
-/// The colour for an amount from -1 to 1; what lies beyond has the colour of the end, what is not a number is white.
+/// The colour for an amount from -1 to 1; what lies beyond has the colour of the end, what is not a number is
+/// white.
 pub(super) fn diverging(amount: f64) -> Colour {
     let strength = if amount.is_nan() { 0.0 } else { amount.abs().min(1.0) };
     let lightness = 1.0 - (1.0 - DARKEST) * strength;

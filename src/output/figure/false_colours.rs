@@ -1,4 +1,5 @@
-//! False colours: a picture of illuminance or luminance, with a line wherever a round value is passed, and a legend.
+//! False colours: a picture of illuminance or luminance, with a line wherever a round value is passed, and a
+//! legend.
 
 use std::f64::consts::TAU;
 use std::io::{self, Write};
@@ -42,8 +43,9 @@ impl Quantity {
     }
 }
 
-/// Writes a picture whose pixels are illuminance (lx, the same in every channel) or radiance (W·sr⁻¹·m⁻²) as PNG; lamps and sky are left
-/// grey. `unit` is what a pixel's value is multiplied by: 1 for illuminance, the efficacy (lm·W⁻¹) for luminance.
+/// Writes a picture whose pixels are illuminance (lx, the same in every channel) or radiance (W·sr⁻¹·m⁻²) as
+/// PNG; lamps and sky are left grey. `unit` is what a pixel's value is multiplied by: 1 for illuminance, the
+/// efficacy (lm·W⁻¹) for luminance.
 ///
 /// # Errors
 /// Those of `writer`.
@@ -128,7 +130,8 @@ impl Pixels<'_> {
     }
 }
 
-/// From dark violet through green to light yellow; what lies beyond has the colour of the end. Lightness rises evenly.
+/// From dark violet through green to light yellow; what lies beyond has the colour of the end. Lightness
+/// rises evenly.
 fn sequential(amount: f64) -> Colour {
     let amount = amount.clamp(0.0, 1.0);
     let (lightness, hue) = (0.28 + 0.67 * amount, TAU * (0.82 - 0.52 * amount));

@@ -1,4 +1,5 @@
-//! Knobs: error against patches, rays and order, each alone, and what solving takes, as small multiples in SVG.
+//! Knobs: error against patches, rays and order, each alone, and what solving takes, as small multiples in
+//! SVG.
 
 use std::io::{self, Write};
 

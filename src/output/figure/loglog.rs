@@ -1,4 +1,5 @@
-//! Log-log plot: curves on two logarithmic axes, each named beside the plot or at its end, drawn into a part of a figure.
+//! Log-log plot: curves on two logarithmic axes, each named beside the plot or at its end, drawn into a part
+//! of a figure.
 
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
@@ -252,7 +253,8 @@ fn draw_mark(root: &Root, curve: &Curve, (x, y): (i32, i32)) -> Drawn {
     Ok(())
 }
 
-/// Writes each curve's name right of the plot, at the height of its last point, moved apart where these are close.
+/// Writes each curve's name right of the plot, at the height of its last point, moved apart where these are
+/// close.
 fn draw_names(root: &Root, plot: &LogPlot, y: &Scale, left: i32) -> Drawn {
     let mut names: Vec<(i32, &Curve)> = plot
         .curves

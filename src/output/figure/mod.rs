@@ -1,9 +1,9 @@
 //! Figures: pictures and plots with words, to be read without the program.
 //!
-//! [`write_comparison`] holds an answer against a reference, [`write_bounces`] shows how light builds up bounce by bounce,
-//! [`write_orders_plot`] how the error of the series falls with its order, and
-//! [`write_false_colours`] how much light falls or leaves where. [`write_study_plot`] shows what accuracy costs in time, [`write_knobs_plot`] what each
-//! knob of it does alone.
+//! [`write_comparison`] holds an answer against a reference, [`write_bounces`] shows how light builds up
+//! bounce by bounce, [`write_orders_plot`] how the error of the series falls with its order, and
+//! [`write_false_colours`] how much light falls or leaves where. [`write_study_plot`] shows what accuracy
+//! costs in time, [`write_knobs_plot`] what each knob of it does alone.
 
 mod axes;
 mod bounces;
@@ -27,7 +27,8 @@ pub use multiples::{SmallPlot, write_small_plots};
 pub use orders::{OrdersPlot, write_orders_plot};
 pub use study::write_study_plot;
 
-/// The number of the form 1, 2 or 5 · 10ᵏ at or next above `x`, to six digits; 1 where `x` is not positive and finite.
+/// The number of the form 1, 2 or 5 · 10ᵏ at or next above `x`, to six digits; 1 where `x` is not positive
+/// and finite.
 fn round_up(x: f64) -> f64 {
     if !(x.is_finite() && x > 0.0) {
         return 1.0;

@@ -26,7 +26,8 @@ const BOUND: &str = "bound, guaranteed";
 /// No more decades than this are shown below the largest value.
 const DECADES: i32 = 12;
 
-/// What the plot shows; errors are relative, 1 is 100 %. Values that are not positive and finite are left out.
+/// What the plot shows; errors are relative, 1 is 100 %. Values that are not positive and finite are left
+/// out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OrdersPlot {
     /// The orders k, ascending.

@@ -32,7 +32,8 @@ pub(super) fn shade(k: usize, count: usize) -> RGBColor {
     SHADES[if count > 1 { k * (SHADES.len() - 1) / (count - 1) } else { SHADES.len() - 1 }]
 }
 
-/// Writes `study.svg`: every row's error against its time; the front of those that nothing beats, light paths, and the reference's noise.
+/// Writes `study.svg`: every row's error against its time; the front of those that nothing beats, light
+/// paths, and the reference's noise.
 ///
 /// # Errors
 /// Those of `writer`.

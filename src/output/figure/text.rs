@@ -1,6 +1,7 @@
 //! Text on a canvas: one line, in a bitmap font of three sizes that comes with the program.
 //!
-//! Raised digits (¹²³⁴…) are set as small ones; an ellipsis as three dots. What the font lacks becomes a question mark.
+//! Raised digits (¹²³⁴…) are set as small ones; an ellipsis as three dots. What the font lacks becomes a
+//! question mark.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, RasterizedChar, get_raster, get_raster_width};
 

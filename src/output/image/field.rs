@@ -81,7 +81,8 @@ mod tests {
 
     #[test]
     fn a_linear_field_over_a_wall_is_shown_as_it_is_flat_and_smooth() {
-        // The second face is smaller and cut into fewer rows, so that corners of one lie within edges of the other.
+        // The second face is smaller and cut into fewer rows, so that corners of one lie within edges of the
+        // other.
         let (x, y) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
         let faces = [[[0.0; 3], x, y], [x, [0.7, 0.6, 0.0], y]];
         let scene = triangles(&faces, &[0, 0], vec![Material::lamp("wall", &[0.5; 3], &[1.0; 3])]);

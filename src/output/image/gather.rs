@@ -1,11 +1,11 @@
-//! Final gathering: light at a point itself, not at its patch; L = Lₑ + ρ/π·(H of lamps + H of lights without area + H of all else), and on
-//! sheets τ/π times the same of their other side more. What lights without area and the sky send by way of mirrors, metals and glass is that
-//! of the patches, smoothed.
+//! Final gathering: light at a point itself, not at its patch; L = Lₑ + ρ/π·(H of lamps + H of lights without
+//! area + H of all else), and on sheets τ/π times the same of their other side more. What lights without area
+//! and the sky send by way of mirrors, metals and glass is that of the patches, smoothed.
 //!
-//! Lamps are sampled at points drawn on them, everything else by cosine-distributed rays that bring back the solution
-//! where they land. Such rays meet lamps too. Both ways count, weighted by the balance heuristic (Veach &
-//! Guibas 1995, eq. 14), so that nothing is counted twice and no sample weighs more than the lamp is bright, however near
-//! the lamp.
+//! Lamps are sampled at points drawn on them, everything else by cosine-distributed rays that bring back the
+//! solution where they land. Such rays meet lamps too. Both ways count, weighted by the balance heuristic
+//! (Veach & Guibas 1995, eq. 14), so that nothing is counted twice and no sample weighs more than the lamp is
+//! bright, however near the lamp.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -89,9 +89,9 @@ impl<'a, 's> Gather<'a, 's> {
         }
     }
 
-    /// The radiance that comes along a camera's ray, and what the ray met first; none where no light comes. Random numbers are those of a
-    /// point of a sequence, from dimension set 1 on; where the ray meets carriers it takes one way at each, by chance, and where that leads
-    /// outside it sees `away`.
+    /// The radiance that comes along a camera's ray, and what the ray met first; none where no light comes.
+    /// Random numbers are those of a point of a sequence, from dimension set 1 on; where the ray meets
+    /// carriers it takes one way at each, by chance, and where that leads outside it sees `away`.
     pub fn seen_along(
         &self,
         ray: &Ray,
@@ -111,9 +111,9 @@ impl<'a, 's> Gather<'a, 's> {
         lit.then(|| (first, self.radiance(&first, numbers, views)))
     }
 
-    /// The radiance that comes along a ray which carriers pass on from `hit`, by one way at each; `radiance` tells that of diffuse surfaces, `away` that of
-    /// what lies outside.
-    /// Random numbers are those of every other dimension set from `first_set` on.
+    /// The radiance that comes along a ray which carriers pass on from `hit`, by one way at each; `radiance`
+    /// tells that of diffuse surfaces, `away` that of what lies outside. Random numbers are those of every
+    /// other dimension set from `first_set` on.
     fn seen_over_carriers(
         &self,
         mut ray: Ray,
@@ -157,7 +157,8 @@ impl<'a, 's> Gather<'a, 's> {
         seen
     }
 
-    /// Radiance that leaves where a ray ended, estimated with random numbers for a point of the lamps and a direction.
+    /// Radiance that leaves where a ray ended, estimated with random numbers for a point of the lamps and a
+    /// direction.
     fn radiance(&self, hit: &Hit, numbers: (Sequence, u32), views: &mut Views) -> DVec3 {
         let place = self.place(hit);
         let material = self.tracer.scene().faces()[hit.face as usize].material as usize;

@@ -1,7 +1,7 @@
 //! Highlights: lamps as rough metals and coats show them.
 //!
-//! A lamp is found by points drawn on it, and by rays that the metal sends out. Both count, weighted by the balance heuristic (Veach &
-//! Guibas 1995, eq. 14).
+//! A lamp is found by points drawn on it, and by rays that the metal sends out. Both count, weighted by the
+//! balance heuristic (Veach & Guibas 1995, eq. 14).
 
 use glam::DVec3;
 
@@ -10,8 +10,8 @@ use super::reflections::rgb_of;
 use crate::scene::Side;
 use crate::trace::{Glossy, Hit, IN_PLANE, LampView, Lamps, Ray, Tracer};
 
-/// How lamps look from the faces that a pixel shows, each seen from where the pixel's first ray met it. A view for every ray took
-/// half as long again in three scenes and lowered noise in none.
+/// How lamps look from the faces that a pixel shows, each seen from where the pixel's first ray met it. A
+/// view for every ray took half as long again in three scenes and lowered noise in none.
 #[derive(Default)]
 pub(super) struct Views(Vec<(u32, Side, LampView)>);
 

@@ -1,9 +1,9 @@
 //! Image: what a camera sees of a radiance field over patches.
 //!
-//! Where the field itself is shown, each pixel is the mean of 4 rays, or of 16 where those 4 or the neighbouring pixels
-//! differ to the eye. The samples are the first 4 or 16 points of a (0,2)-sequence, so that each quarter and each sixteenth
-//! of the pixel has its share. Where light is gathered or paths are traced, each pixel takes as many points as asked
-//! for of an Owen-scrambled Sobol sequence.
+//! Where the field itself is shown, each pixel is the mean of 4 rays, or of 16 where those 4 or the
+//! neighbouring pixels differ to the eye. The samples are the first 4 or 16 points of a (0,2)-sequence, so
+//! that each quarter and each sixteenth of the pixel has its share. Where light is gathered or paths are
+//! traced, each pixel takes as many points as asked for of an Owen-scrambled Sobol sequence.
 
 mod field;
 mod gather;
@@ -44,14 +44,15 @@ use crate::trace::{Hit, Ray, Tracer};
 pub enum Shading {
     /// It is the patch's at that point: the solution as it is, constant or linear.
     Flat,
-    /// It is interpolated between the patch's corners, joined with those of its neighbours, see [`SmoothField`](super::SmoothField).
+    /// It is interpolated between the patch's corners, joined with those of its neighbours, see
+    /// [`SmoothField`](super::SmoothField).
     Smooth,
-    /// It is gathered there, from lamps and from the patches around, by [`RenderOptions::samples`] random rays: shadows
-    /// are as sharp as the scene makes them, patches are not seen. Where everything is solved exactly this is exact in the mean;
-    /// noise falls as samples rise. Surfaces are as flat as their faces.
+    /// It is gathered there, from lamps and from the patches around, by [`RenderOptions::samples`] random
+    /// rays: shadows are as sharp as the scene makes them, patches are not seen. Where everything is solved
+    /// exactly this is exact in the mean; noise falls as samples rise. Surfaces are as flat as their faces.
     Gather,
-    /// It is found by light paths of any length, [`RenderOptions::samples`] a pixel, without patches or form factors: the
-    /// independent reference. The solution is not looked at.
+    /// It is found by light paths of any length, [`RenderOptions::samples`] a pixel, without patches or form
+    /// factors: the independent reference. The solution is not looked at.
     Path,
 }
 
@@ -69,7 +70,8 @@ pub enum Outlines {
 pub enum Surfaces {
     /// The textures themselves, under the light that was solved for; for fields of radiance.
     Textured,
-    /// The field as it is, with means over patches; for all other quantities. Gathered light and light paths always know textures.
+    /// The field as it is, with means over patches; for all other quantities. Gathered light and light paths
+    /// always know textures.
     Averaged,
 }
 
@@ -82,15 +84,15 @@ pub struct RenderOptions<'a> {
     pub height: usize,
     /// How radiance varies within a patch.
     pub shading: Shading,
-    /// Irradiance by lights without area and the sky by way of mirrors, metals and glass (N × c, W·m⁻²), which gathering can't find by itself:
-    /// that of [`CarriedLight`](crate::transport::CarriedLight).
+    /// Irradiance by lights without area and the sky by way of mirrors, metals and glass (N × c, W·m⁻²),
+    /// which gathering can't find by itself: that of [`CarriedLight`](crate::transport::CarriedLight).
     pub carried: Option<&'a DMatrix<f64>>,
     /// Whether textures are shown.
     pub surfaces: Surfaces,
     /// Whether the edges of patches are drawn.
     pub outlines: Outlines,
-    /// Random samples per pixel where light is gathered or paths are traced, 1 to 2²⁰; time grows in proportion, noise falls at least as their root.
-    /// Powers of two are spread most evenly.
+    /// Random samples per pixel where light is gathered or paths are traced, 1 to 2²⁰; time grows in
+    /// proportion, noise falls at least as their root. Powers of two are spread most evenly.
     pub samples: u32,
     /// Number of the random sequence.
     pub seed: u64,
@@ -141,11 +143,11 @@ const MOST_SAMPLES: u32 = 1 << 20;
 /// About so many pixels are rendered together, as a band of rows; 160 bytes each.
 const BAND: usize = 1 << 19;
 
-/// Renders `radiance` (N × c, W·sr⁻¹·m⁻²) as `camera` sees it; where nothing is met there is sky, or black where there is none;
-/// where no light comes it is black.
+/// Renders `radiance` (N × c, W·sr⁻¹·m⁻²) as `camera` sees it; where nothing is met there is sky, or black
+/// where there is none; where no light comes it is black.
 ///
-/// N is the number of patches n or, for linear elements, 3n. Where these fall below zero they are shown with less of a tilt.
-/// The picture does not depend on the number of threads.
+/// N is the number of patches n or, for linear elements, 3n. Where these fall below zero they are shown with
+/// less of a tilt. The picture does not depend on the number of threads.
 ///
 /// # Errors
 /// `Size`, `Samples`, `Camera` or `Cancelled`.
@@ -347,7 +349,8 @@ impl<'a, 's> View<'a, 's> {
         Some(zenith * share * tint.map_or(DVec3::ONE, DVec3::from))
     }
 
-    /// What is seen at a point of the picture, if `meet` tells what the ray meets and the radiance that leaves there.
+    /// What is seen at a point of the picture, if `meet` tells what the ray meets and the radiance that
+    /// leaves there.
     fn look(&self, point: DVec2, meet: impl FnOnce(&Ray) -> Option<(Hit, DVec3)>) -> Option<Seen> {
         let ray = self.lens.ray(point);
         let Some((hit, radiance)) = meet(&ray) else { return self.sky_behind(&ray) };

@@ -1,8 +1,8 @@
 //! Numbers: the random points of a pixel's samples.
 //!
-//! Pixels of a square share one scrambled sequence, each taking a stretch of it, in Morton order (Ahmed & Wonka 2020):
-//! every pixel is stratified by itself, and so is every aligned block of 2 × 2, 4 × 4, … pixels. Noise is then finer grained,
-//! and the eye averages most of it out.
+//! Pixels of a square share one scrambled sequence, each taking a stretch of it, in Morton order (Ahmed &
+//! Wonka 2020): every pixel is stratified by itself, and so is every aligned block of 2 × 2, 4 × 4, … pixels.
+//! Noise is then finer grained, and the eye averages most of it out.
 
 use super::RenderOptions;
 use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream};

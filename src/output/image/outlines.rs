@@ -14,7 +14,8 @@ pub(super) fn dimming(tracer: &Tracer, patches: &Patches, lens: &Lens, point: DV
     let [a, b, c] = *tracer.corners(patches.place(patch).face);
     let corners = patches.corners(patch).map(|[u, v]| a + (b - a) * u + (c - a) * v);
     let distances = [0, 1, 2].map(|k| lens.distance_to_line(point, corners[k], corners[(k + 1) % 3]));
-    // Half of a line of one pixel lies on this side of the edge; lines of tiny patches would leave nothing else.
+    // Half of a line of one pixel lies on this side of the edge; lines of tiny patches would leave nothing
+    // else.
     let covered = (1.0 - distances.into_iter().fold(f64::INFINITY, f64::min)).clamp(0.0, 1.0);
     let height: f64 = distances.iter().sum();
     1.0 - DARKNESS * covered * ((height - 2.0) / 8.0).clamp(0.0, 1.0)

@@ -1,8 +1,9 @@
 //! Painted: the solution on surfaces whose textures are shown, L = Lₑ(u, v) + ρ(u, v) H/π.
 //!
-//! Patches know L̄ = L̄ₑ + ρ̄H/π, with means over the patch. What they reflect and ρ̄ are laid over the surface in the same way, and
-//! H/π is the one by the other: so pictures neither blur textures nor show the patches that averaged them. On sheets ρ + τ stands for ρ, as if both sides
-//! were lit alike: right in the mean over a patch, while the contrast of a texture that is lit from behind is shown too strong.
+//! Patches know L̄ = L̄ₑ + ρ̄H/π, with means over the patch. What they reflect and ρ̄ are laid over the
+//! surface in the same way, and H/π is the one by the other: so pictures neither blur textures nor show the
+//! patches that averaged them. On sheets ρ + τ stands for ρ, as if both sides were lit alike: right in the
+//! mean over a patch, while the contrast of a texture that is lit from behind is shown too strong.
 
 use glam::DVec3;
 use nalgebra::DMatrix;
@@ -24,7 +25,8 @@ pub(super) struct Painted<'a, 's> {
 }
 
 impl<'a, 's> Painted<'a, 's> {
-    /// Takes radiance (N × c) apart; `spread` lays coefficients over surfaces. None where no face has a texture.
+    /// Takes radiance (N × c) apart; `spread` lays coefficients over surfaces. None where no face has a
+    /// texture.
     pub fn new(
         patches: &Patches<'s>,
         radiance: &DMatrix<f64>,

@@ -30,8 +30,8 @@ impl Chances {
     }
 }
 
-/// The radiance that comes along `ray` by all ways over carriers, and what the ray met first; `radiance` tells that of diffuse surfaces,
-/// `away` that of what lies outside.
+/// The radiance that comes along `ray` by all ways over carriers, and what the ray met first; `radiance`
+/// tells that of diffuse surfaces, `away` that of what lies outside.
 pub(super) fn seen_along(
     tracer: &Tracer,
     highlights: Option<&Highlights>,

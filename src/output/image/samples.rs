@@ -31,7 +31,8 @@ pub(super) struct Samples {
     /// Sum over, and number of, those that met a lamp.
     lamp_sum: DVec3,
     lamps: u32,
-    /// Sum, smallest and largest, channel by channel, as if there were no outlines: those need no more samples.
+    /// Sum, smallest and largest, channel by channel, as if there were no outlines: those need no more
+    /// samples.
     plain: DVec3,
     low: DVec3,
     high: DVec3,
@@ -94,7 +95,8 @@ fn differ(a: DVec3, b: DVec3, share: f64) -> bool {
     (a - b).abs().max_element() > share * a.abs().max(b.abs()).max_element()
 }
 
-/// Point k < 16 of a (0,2)-sequence in the unit square (Kollig & Keller 2002), moved to the middle of its cell.
+/// Point k < 16 of a (0,2)-sequence in the unit square (Kollig & Keller 2002), moved to the middle of its
+/// cell.
 pub(super) fn stratified(k: u32) -> DVec2 {
     let mut second = 0u32;
     let mut direction = 1u32 << 31;

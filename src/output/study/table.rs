@@ -1,7 +1,7 @@
 //! Table: `study.csv` and `study_reference.csv`, from which a study can be resumed.
 //!
-//! Every row ends with the key of its study ([`Study::key`]); rows of another are not read. Numbers are written such that reading gives
-//! the same bits.
+//! Every row ends with the key of its study ([`Study::key`]); rows of another are not read. Numbers are
+//! written such that reading gives the same bits.
 
 use std::io::{self, Read, Write};
 
@@ -77,7 +77,8 @@ pub fn write_study_reference(
     table.flush()
 }
 
-/// Reads what earlier runs of the same study have found; none where the reference is of another, or can't be read.
+/// Reads what earlier runs of the same study have found; none where the reference is of another, or can't be
+/// read.
 pub fn read_study(
     study: &Study,
     table: impl Read,

@@ -33,7 +33,8 @@ impl Sequence {
         self.dimensions(k, 0)
     }
 
-    /// Dimensions 4·`set` to 4·`set` + 3 of point `k`, for points of many dimensions; [`Sequence::point`] is set 0.
+    /// Dimensions 4·`set` to 4·`set` + 3 of point `k`, for points of many dimensions; [`Sequence::point`] is
+    /// set 0.
     #[inline]
     pub fn dimensions(self, k: u32, set: u32) -> [f64; 4] {
         // The sequence has 24 bits; half a step more keeps it off the edges.
@@ -59,7 +60,8 @@ pub fn uniform_triangle([u, v]: [f64; 2]) -> [f64; 2] {
     if u < v { [0.5 * u, v - 0.5 * u] } else { [u - 0.5 * v, 0.5 * v] }
 }
 
-/// A point of a rule for means over a triangle: barycentric weights of the second and third corner, and the part that it counts.
+/// A point of a rule for means over a triangle: barycentric weights of the second and third corner, and the
+/// part that it counts.
 pub type RulePoint = ([f64; 2], f64);
 
 /// A rule that is exact for polynomials of degree two (Hammer, Marlowe & Stroud 1956).
@@ -86,8 +88,8 @@ pub const TRIANGLE_RULE_7: [RulePoint; 7] = {
     ]
 };
 
-/// A direction within a spherical triangle, uniform, given by the unit vectors of its corners (Arvo 1995): its density is the inverse of the solid
-/// angle α + β + γ − π.
+/// A direction within a spherical triangle, uniform, given by the unit vectors of its corners (Arvo 1995):
+/// its density is the inverse of the solid angle α + β + γ − π.
 #[inline]
 pub fn uniform_spherical_triangle([a, b, c]: [DVec3; 3], [u, v]: [f64; 2]) -> DVec3 {
     // Take the angles at the corners.
@@ -124,8 +126,8 @@ pub fn cosine_hemisphere(square: [f64; 2]) -> DVec3 {
     DVec3::new(x, y, (1.0 - radius * radius).max(0.0).sqrt())
 }
 
-/// The square mapped onto the disc, circle by circle: a point, and its distance from the middle, perhaps with a minus (Shirley & Chiu
-/// 1997).
+/// The square mapped onto the disc, circle by circle: a point, and its distance from the middle, perhaps with
+/// a minus (Shirley & Chiu 1997).
 #[inline]
 fn concentric([u, v]: [f64; 2]) -> ([f64; 2], f64) {
     let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
@@ -140,8 +142,8 @@ fn concentric([u, v]: [f64; 2]) -> ([f64; 2], f64) {
     (if is_upright { [across, along] } else { [along, across] }, radius)
 }
 
-/// Sine and cosine of an angle of at most π/4, to the last bit or two: the polynomials of fdlibm (Sun Microsystems 1993). Those of the
-/// system's library, for angles of any size, took a twentieth of all time.
+/// Sine and cosine of an angle of at most π/4, to the last bit or two: the polynomials of fdlibm (Sun
+/// Microsystems 1993). Those of the system's library, for angles of any size, took a twentieth of all time.
 #[inline]
 fn sine_and_cosine(angle: f64) -> [f64; 2] {
     const SINE: [f64; 6] = [
