@@ -65,8 +65,8 @@ pub struct Outcome {
     pub is_refused: bool,
 }
 
-/// Tests all laws on the scenes of these seeds, as many at a time as there are processors, each of which
-/// keeps to one; `see` is shown every outcome as it comes.
+/// Tests all laws on the scenes of these seeds, as many at a time as there are processors; `see` is shown every
+/// outcome as it comes.
 ///
 /// # Errors
 /// If the folder can't be written.
@@ -76,16 +76,18 @@ pub fn check_all(
     see: impl Fn(&Outcome) + Sync,
 ) -> io::Result<Vec<Outcome>> {
     let next = AtomicU64::new(seeds.start);
+    let processors = thread::available_parallelism()?.get();
+    let workers = processors.min(seeds.clone().count()).max(1);
     let work = || -> io::Result<Vec<Outcome>> {
-        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(io::Error::other)?;
+        let threads = rayon::ThreadPoolBuilder::new().num_threads(processors / workers);
+        let pool = threads.build().map_err(io::Error::other)?;
         let taken = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|seed| seeds.contains(seed));
         std::iter::from_fn(taken)
-            .map(|seed| alone.install(|| check(seed, folder)).inspect(|outcome| see(outcome)))
+            .map(|seed| pool.install(|| check(seed, folder)).inspect(|outcome| see(outcome)))
             .collect()
     };
-    let processors = thread::available_parallelism()?.get();
     let found: Vec<io::Result<Vec<Outcome>>> = thread::scope(|scope| {
-        let workers: Vec<_> = (0..processors).map(|_| scope.spawn(work)).collect();
+        let workers: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
         workers.into_iter().map(|worker| worker.join().expect("no panic")).collect()
     });
     let mut outcomes: Vec<Outcome> =
