@@ -509,12 +509,11 @@ impl<'s> Patches<'s> {
             return;
         }
         let mean = |i: usize| texture(i).map(|texture| texture.mean_over(self.corners(i)));
-        let all = || (0..self.len()).into_par_iter().map(mean).collect();
         // Not made under the lock: a thread that waits for others may take up work that asks for the same.
         let means = match means.get() {
             Some(known) => known,
             None => {
-                let found = all();
+                let found = (0..self.len()).into_par_iter().map(mean).collect();
                 means.get_or_init(|| found)
             }
         };

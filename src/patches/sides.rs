@@ -96,11 +96,7 @@ impl Patches<'_> {
     /// What become patches once these slots are reached: they alone, or the whole sides on which they lie.
     pub(crate) fn widen(&self, mut slots: Vec<u32>) -> Vec<u32> {
         if self.reach != Reach::Light {
-            let side_of = |slot: u32| {
-                let Slot { face, side, .. } = self.slot(slot);
-                (face, side)
-            };
-            let mut sides: Vec<(usize, Side)> = slots.into_iter().map(side_of).collect();
+            let mut sides: Vec<(usize, Side)> = slots.into_iter().map(|slot| self.side_of(slot)).collect();
             sides.sort_unstable();
             sides.dedup();
             slots = sides.into_iter().flat_map(|(face, side)| self.slots_of(face, side)).collect();
@@ -160,8 +156,8 @@ impl Patches<'_> {
             };
             wave = dark.iter().copied().filter(|&slot| sees_light(slot)).collect();
             if wave.is_empty() {
-                let unlooked = dark.into_iter().filter(|&slot| !looked_close[slot as usize]).collect();
-                let close = self.on_reached_sides(unlooked, &reached);
+                let mut close = self.on_reached_sides(&dark, &reached);
+                close.retain(|&slot| !looked_close[slot as usize]);
                 close.iter().for_each(|&slot| looked_close[slot as usize] = true);
                 let range = (LAMP_LOOKS..CLOSE_LOOKS, options.seed);
                 let on_lamps = self.look_at_lamps(tracer, &lamps, &close, range.clone());
@@ -180,21 +176,20 @@ impl Patches<'_> {
         Ok((0..slots as u32).filter(|&s| reached[s as usize]).collect())
     }
 
-    /// Of these slots those on sides where others are reached.
-    fn on_reached_sides(&self, mut slots: Vec<u32>, reached: &[bool]) -> Vec<u32> {
-        let mut known: Option<((usize, Side), bool)> = None;
-        slots.retain(|&slot| {
-            let Slot { face, side, .. } = self.slot(slot);
-            match known {
-                Some((of, is_reached)) if of == (face, side) => is_reached,
-                _ => {
-                    let is_reached = self.slots_of(face, side).any(|slot| reached[slot as usize]);
-                    known = Some(((face, side), is_reached));
-                    is_reached
-                }
-            }
-        });
-        slots
+    /// Of these slots, ascending, those on sides where others are reached.
+    fn on_reached_sides(&self, slots: &[u32], reached: &[bool]) -> Vec<u32> {
+        let of_sides = slots.chunk_by(|&a, &b| self.side_of(a) == self.side_of(b));
+        let is_reached = |of_side: &&[u32]| {
+            let (face, side) = self.side_of(of_side[0]);
+            self.slots_of(face, side).any(|slot| reached[slot as usize])
+        };
+        of_sides.filter(is_reached).flatten().copied().collect()
+    }
+
+    /// The face and side on which a slot lies.
+    fn side_of(&self, slot: u32) -> (usize, Side) {
+        let Slot { face, side, .. } = self.slot(slot);
+        (face, side)
     }
 
     /// Lets light through sheets: adds the other sides that it reaches now.
