@@ -64,12 +64,12 @@ impl<'t> Contacts<'t> {
         lines
     }
 
-    /// The lines longer than `shortest` at which other faces touch a face, or end at most `near` (normalised)
-    /// before it.
+    /// The lines along which other faces touch a face, or end at most `near` (normalised) before it; of these
+    /// those longer than `shortest`.
     pub fn lines_on(&self, face: usize, flat: &Flat, near: f64, shortest: f64) -> Vec<Line> {
         let mut lines = Vec::new();
         let mut push = |ends: [DVec2; 2], touches: bool, counts: &dyn Fn() -> bool| {
-            let ends = flat.clip(ends).filter(|[p, q]| p.distance(*q) > shortest);
+            let ends = flat.clip(ends).filter(|[p, q]| touches || p.distance(*q) > shortest);
             lines.extend(ends.filter(|_| counts()).map(|ends| Line { ends, touches }));
         };
         for other in self.faces_in(box_around(self.tracer.corners(face), PAD + near)) {

@@ -1,12 +1,14 @@
 //! Parts: the triangles into which contacts part a face before it is cut into patches.
 //!
-//! Lines that run along one another, or along the face's border, are made one; ends that lie near a line or
-//! another end are moved there. What is left is triangulated with these lines as edges (constrained Delaunay
-//! triangulation, by `spade`). Where that comes to nothing a face stays whole.
+//! A patch lies on one side of a wall that stands on its face or on the other, or light would leak through:
+//! lines along which other faces touch are drawn exactly, and the two sides of a thin wall are two lines. Lines
+//! below what is near but does not touch cast shadows alone: those that run along others, or along the face's
+//! border, are made one with them, and ends that lie near a line or another end are moved there. What is left
+//! is triangulated with these lines as edges (constrained Delaunay triangulation, by `spade`). Where that comes
+//! to nothing a face stays whole.
 //!
-//! The outlines of what covers a face in its own plane part it exactly, however small it is: a patch is
-//! covered or it is not. So do the lines along which other faces pass through it: a patch lies on one side of
-//! a wall or on the other, or light would leak through, and the two sides of a thin wall are two lines.
+//! The outlines of what covers a face in its own plane part it however small it is: a patch is covered or it
+//! is not. So do the lines along which other faces pass through it.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -135,17 +137,19 @@ impl Parts {
                 true => contacts.lines_on(face, &flat, NEAR * edge, WELD * edge),
                 false => Vec::new(),
             };
+            let (touching, near): (Vec<Line>, Vec<Line>) = lines.into_iter().partition(|line| line.touches);
             let drawn = |weld: f64| {
                 let mut welded = Welded::new(&flat.corners, weld);
                 exact.iter().for_each(|&ends| welded.add(ends));
                 let is_always = !welded.drawn().is_empty();
+                welded.add_lines(touching.clone());
                 welded.weld = WELD * edge;
-                welded.add_lines(lines.clone());
+                welded.add_lines(near.clone());
                 (triangulate(&flat.corners, welded.drawn()), is_always)
             };
-            // Where rounding leaves no way to draw lines exactly, they are drawn as those of contacts are.
+            // Where rounding leaves no way to draw lines exactly, they are drawn as those of what is near are.
             let (triangles, is_always) = match drawn(EXACT_WELD * longest) {
-                (None, true) => drawn(WELD * edge.min(longest)),
+                (None, _) => drawn(WELD * edge.min(longest)),
                 found => found,
             };
             let parts = triangles?.into_iter().map(|on_face| {
@@ -188,10 +192,10 @@ impl Welded {
         Self { weld, lines: [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]).to_vec() }
     }
 
-    /// Adds the lines of contacts. Those that touch stay where they are, and long ones before short ones.
+    /// Adds the lines of contacts, long ones before short ones.
     fn add_lines(&mut self, mut lines: Vec<Line>) {
         let length = |line: &Line| line.ends[0].distance_squared(line.ends[1]);
-        lines.sort_by(|a, b| b.touches.cmp(&a.touches).then(length(b).total_cmp(&length(a))));
+        lines.sort_by(|a, b| length(b).total_cmp(&length(a)));
         lines.iter().take(MOST_LINES).for_each(|line| self.add(line.ends));
     }
 

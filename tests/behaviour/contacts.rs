@@ -12,15 +12,18 @@ use crate::scenes::{flipped, quads, room};
 type Quad = [[f64; 3]; 4];
 
 /// A room of 1 m with a lamp below its ceiling, a box of the given walls on its floor y = 0, turned a little.
-fn with_box(walls: impl Fn([[f64; 2]; 4]) -> Vec<Quad>) -> Scene {
+fn with_box(foot: [[f64; 2]; 4], walls: impl Fn([[f64; 2]; 4]) -> Vec<Quad>) -> Scene {
     let lamp = [[0.3, 0.95, 0.3], [0.7, 0.95, 0.3], [0.7, 0.95, 0.7], [0.3, 0.95, 0.7]];
-    let all = room([0.0; 3], [1.0; 3]).into_iter().chain(walls(FOOT)).map(|quad| (quad, 0));
+    let all = room([0.0; 3], [1.0; 3]).into_iter().chain(walls(foot)).map(|quad| (quad, 0));
     let all: Vec<(Quad, u32)> = all.chain([(lamp, 1)]).collect();
     quads(&all, vec![Material::diffuse("grey", &[0.5]), Material::lamp("lamp", &[0.0], &[10.0])])
 }
 
 /// The corners of the box, x and z.
 const FOOT: [[f64; 2]; 4] = [[0.31, 0.27], [0.62, 0.39], [0.5, 0.7], [0.19, 0.58]];
+
+/// The same of a box of which a corner is 4 mm beside the diagonal of the floor.
+const NEAR_DIAGONAL: [[f64; 2]; 4] = [[0.503, 0.497], [0.8, 0.39], [0.9, 0.62], [0.6, 0.7]];
 
 /// The upright walls over the sides of a foot, and a lid.
 fn box_over(foot: [[f64; 2]; 4], [low, high]: [f64; 2]) -> Vec<Quad> {
@@ -29,9 +32,9 @@ fn box_over(foot: [[f64; 2]; 4], [low, high]: [f64; 2]) -> Vec<Quad> {
     (0..4).map(wall).chain([[0, 1, 2, 3].map(|k| at(k, high))]).collect()
 }
 
-fn foot_area() -> f64 {
+fn area_of(foot: [[f64; 2]; 4]) -> f64 {
     let cross = |k: usize| {
-        let ([x, z], [next_x, next_z]) = (FOOT[k], FOOT[(k + 1) % 4]);
+        let ([x, z], [next_x, next_z]) = (foot[k], foot[(k + 1) % 4]);
         0.5 * (x * next_z - z * next_x)
     };
     (0..4).map(cross).sum::<f64>().abs()
@@ -53,20 +56,19 @@ fn no_light_gets_under_a_box() {
     // Standing on the floor without a bottom, sunk into it, and made of walls that are longer than the box.
     let boxes: [&dyn Fn([[f64; 2]; 4]) -> Vec<Quad>; 2] =
         [&|foot| box_over(foot, [0.0, 0.3]), &|foot| box_over(foot, [-0.1, 0.3])];
-    for walls in boxes {
-        let scene = with_box(walls);
+    for (foot, walls) in [FOOT, NEAR_DIAGONAL].into_iter().flat_map(|foot| boxes.map(|walls| (foot, walls))) {
+        let scene = with_box(foot, walls);
         let tracer = Tracer::new(&scene);
         for count in [200, 3000] {
-            let patches = cut(&tracer, count);
-            let lit = lit_floor(&patches);
-            assert!((lit + foot_area() - 1.0).abs() < 1e-6, "{count}: {lit} and {}", foot_area());
+            let (lit, under) = (lit_floor(&cut(&tracer, count)), area_of(foot));
+            assert!((lit + under - 1.0).abs() < 1e-6, "{foot:?} {count}: {lit} and {under}");
         }
     }
 }
 
 #[test]
 fn no_patch_straddles_the_foot_of_a_box() {
-    let scene = with_box(|foot| box_over(foot, [0.0, 0.3]));
+    let scene = with_box(FOOT, |foot| box_over(foot, [0.0, 0.3]));
     let patches = cut(&Tracer::new(&scene), 1000);
     // How far a point of the floor lies outside the foot, negative inside.
     let outside = |[x, z]: [f64; 2]| {
