@@ -26,8 +26,8 @@ const QUANTITIES: [&str; 9] = [
 /// How many of [`QUANTITIES`] there are without errors.
 const WITHOUT_ERRORS: usize = 6;
 
-/// Writes `faces.csv`: a row per face and side that light reaches, with averages over the face, and one
-/// standard error of irradiance.
+/// Writes `faces.csv`: a row per face and side that light reaches, with averages over the face, one standard
+/// error of irradiance, and the number of the face's polygon.
 ///
 /// `irradiance` (W·m⁻²) and `radiance` (W·sr⁻¹·m⁻²) are n × c.
 ///
@@ -40,7 +40,7 @@ pub fn write_faces(
     radiance: &DMatrix<f64>,
     errors: &ErrorBars,
 ) -> io::Result<()> {
-    let columns: Vec<&str> = FACE_KEYS.iter().chain(&QUANTITIES).copied().collect();
+    let columns: Vec<&str> = FACE_KEYS.iter().chain(&QUANTITIES).chain(&["polygon"]).copied().collect();
     let errors = Some(errors.faces.as_slice());
     write_columns(writer, &columns, |table| {
         write_face_rows(table, patches, None, (irradiance, radiance), errors)
@@ -87,8 +87,9 @@ fn write_face_rows(
             digits(h.area),
         ];
         let row = group.map(str::to_owned).into_iter().chain(keys).chain(quantities(&h.mean, &l.mean));
+        let polygon = errors.map(|_| scene.polygon_of(h.face).to_string());
         let errors = errors.into_iter().flat_map(|rows| to_rgb(&rows[f].mean)).map(digits);
-        table.write_record(row.chain(errors))?;
+        table.write_record(row.chain(errors).chain(polygon))?;
     }
     Ok(())
 }

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::is_near;
+
 /// A pinhole camera in scene coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -27,7 +29,7 @@ impl Camera {
 
     /// Whether position, target, up and field of view describe a picture at all.
     pub fn is_valid(&self) -> bool {
-        let finite = self.position.is_finite() && self.target.is_finite() && self.up.is_finite();
-        finite && self.position != self.target && self.up != DVec3::ZERO && self.fov > 0.0 && self.fov < 180.0
+        let sound = [self.position, self.target, self.up].into_iter().all(is_near);
+        sound && self.position != self.target && self.up != DVec3::ZERO && self.fov > 0.0 && self.fov < 180.0
     }
 }

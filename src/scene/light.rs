@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::IntensityTable;
+use super::{IntensityTable, LARGEST, is_near};
 
 /// A light without area. Places and directions are those of the scene; every power has a value per channel.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,7 +147,7 @@ impl Light {
         };
         match *self {
             Light::Point { position, .. } | Light::Spot { position, .. } | Light::Ies { position, .. }
-                if !position.is_finite() =>
+                if !is_near(position) =>
             {
                 return Err(format!("position {position} must be finite"));
             }
@@ -183,8 +183,10 @@ pub(super) fn check_power(power: &[f64], channels: usize) -> Result<(), String> 
     if power.len() != channels {
         return Err(format!("it must have {channels} channels, as materials have"));
     }
-    match power.iter().find(|x| !(x.is_finite() && **x >= 0.0)) {
-        Some(x) => Err(format!("{x}: how much light it sends must be finite and not negative")),
+    match power.iter().find(|x| !(0.0..=LARGEST).contains(*x)) {
+        Some(x) => {
+            Err(format!("{x}: how much light it sends must be finite, up to {LARGEST:e}, and not negative"))
+        }
         None => Ok(()),
     }
 }

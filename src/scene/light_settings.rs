@@ -12,10 +12,12 @@ use std::sync::Arc;
 use glam::DVec3;
 use serde::Deserialize;
 
+use super::beside::Beside;
 use super::light::{SPHERE, spot_solid_angle};
 use super::photometry::luminance;
 use super::picture_file;
 use super::settings::Colour;
+use super::text::decode;
 use super::{Environment, IntensityTable, Light, Sky, SkyKind};
 
 #[derive(Debug, Deserialize)]
@@ -27,6 +29,7 @@ pub(super) enum LightSettings {
         luminous_intensity: Option<f64>,
         flux: Option<Colour>,
         luminous_flux: Option<f64>,
+        #[serde(alias = "color")]
         colour: Option<Colour>,
     },
     Spot {
@@ -40,6 +43,7 @@ pub(super) enum LightSettings {
         luminous_intensity: Option<f64>,
         flux: Option<Colour>,
         luminous_flux: Option<f64>,
+        #[serde(alias = "color")]
         colour: Option<Colour>,
     },
     Ies {
@@ -50,6 +54,7 @@ pub(super) enum LightSettings {
         up: Option<[f64; 3]>,
         scale: Option<f64>,
         luminous_flux: Option<f64>,
+        #[serde(alias = "color")]
         colour: Option<Colour>,
     },
     Sun {
@@ -59,6 +64,7 @@ pub(super) enum LightSettings {
         diameter: f64,
         irradiance: Option<Colour>,
         illuminance: Option<f64>,
+        #[serde(alias = "color")]
         colour: Option<Colour>,
     },
 }
@@ -69,6 +75,7 @@ pub(super) enum SkySettings {
     Constant {
         radiance: Option<Colour>,
         luminance: Option<f64>,
+        #[serde(alias = "color")]
         colour: Option<Colour>,
     },
     Overcast {
@@ -80,6 +87,7 @@ pub(super) enum SkySettings {
         luminance: Option<f64>,
         irradiance: Option<Colour>,
         illuminance: Option<f64>,
+        #[serde(alias = "color")]
         colour: Option<Colour>,
     },
     Environment {
@@ -104,17 +112,19 @@ pub(super) enum SkySettings {
         luminance: Option<f64>,
         irradiance: Option<Colour>,
         illuminance: Option<f64>,
+        #[serde(alias = "color")]
         colour: Option<Colour>,
     },
 }
 
 impl LightSettings {
-    /// The light in metres and watts; `unit` in metres, `efficacy` in lm/W. Photometric files are looked for
-    /// in `folder`.
+    /// The light in metres and watts; `unit` in metres, `efficacy` in lm/W; `up` is a unit vector. Photometric files lie
+    /// beside the scene.
     pub fn light(
         &self,
         (unit, efficacy): (f64, f64),
-        folder: &Path,
+        up: DVec3,
+        beside: &Beside,
         warnings: &mut Vec<String>,
     ) -> Result<Light, String> {
         let light = match self {
@@ -165,21 +175,21 @@ impl LightSettings {
                     penumbra: *penumbra,
                 }
             }
-            Self::Ies { file, position, target, direction, up, scale, luminous_flux, colour } => {
+            Self::Ies { file, position, target, direction, up: c0, scale, luminous_flux, colour } => {
                 let direction = aim(position, target, direction)?;
-                let table = intensity_table(&folder.join(file), warnings)?;
+                let table = intensity_table(file, beside, warnings)?;
+                let from_down = direction.dot(-up).clamp(-1.0, 1.0).acos().to_degrees();
                 let factor = match (scale, luminous_flux) {
                     (Some(_), Some(_)) => return Err("give scale or luminous_flux, one of the two".into()),
-                    (Some(scale), None) => *scale,
                     (None, Some(lumens)) => lumens / table.flux(),
-                    (None, None) => 1.0,
+                    (scale, None) => scale.unwrap_or(1.0) * table.tilt_factor(from_down),
                 };
                 let colour = of_luminance_one(colour.as_ref())?;
-                let up = up.map_or_else(|| default_c0(direction), DVec3::from);
+                let c0 = c0.map_or_else(|| default_c0(direction), DVec3::from);
                 Light::Ies {
                     position: DVec3::from(*position) * unit,
                     direction,
-                    c0: (up - direction * up.dot(direction)).normalize_or_zero(),
+                    c0: (c0 - direction * c0.dot(direction)).normalize_or_zero(),
                     intensity: colour.iter().map(|x| x * factor * table.highest() / efficacy).collect(),
                     table: Arc::new(table),
                 }
@@ -221,12 +231,15 @@ fn default_c0(direction: DVec3) -> DVec3 {
     if direction.x.abs() < 0.9 { DVec3::X } else { DVec3::Z }
 }
 
-fn intensity_table(path: &Path, warnings: &mut Vec<String>) -> Result<IntensityTable, String> {
-    let bytes = std::fs::read(path).map_err(|e| {
-        format!("cannot read {}: {e}; put the photometric file there or correct its name", path.display())
-    })?;
+fn intensity_table(
+    file: &Path,
+    beside: &Beside,
+    warnings: &mut Vec<String>,
+) -> Result<IntensityTable, String> {
+    let path = beside.find_light(file)?;
+    let bytes = std::fs::read(&path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
     let mut said = Vec::new();
-    let table = IntensityTable::parse(&String::from_utf8_lossy(&bytes), &mut said)
+    let table = IntensityTable::parse(&decode(&bytes), &mut said)
         .map_err(|(line, message)| format!("{}:{line}: {message}", path.display()))?;
     if table.highest() == 0.0 {
         said.push("every intensity is 0: no light comes from it".into());
@@ -236,8 +249,8 @@ fn intensity_table(path: &Path, warnings: &mut Vec<String>) -> Result<IntensityT
 }
 
 impl SkySettings {
-    /// The sky in watts; `efficacy` in lm/W. Pictures are looked for in `folder`.
-    pub fn sky(&self, efficacy: f64, folder: &Path, warnings: &mut Vec<String>) -> Result<Sky, String> {
+    /// The sky in watts; `efficacy` in lm/W. Pictures lie beside the scene.
+    pub fn sky(&self, efficacy: f64, beside: &Beside, warnings: &mut Vec<String>) -> Result<Sky, String> {
         let (mut sky, [radiance, irradiance], [luminance, illuminance], colour) = match self {
             Self::Constant { radiance, luminance, colour } => {
                 let sky = Sky { kind: SkyKind::Constant, up: DVec3::Y, zenith: vec![0.0; 3], ground: 0.0 };
@@ -256,7 +269,7 @@ impl SkySettings {
                     ("illuminance", *illuminance, Value::OfGround(efficacy)),
                 ];
                 let up = DVec3::from(*up).normalize_or_zero();
-                return environment((file, folder), (up, *turn), &amounts, warnings);
+                return environment((file, beside), (up, *turn), &amounts, warnings);
             }
             Self::Clear { up, sun, ground, radiance, luminance, irradiance, illuminance, colour } => {
                 let up = DVec3::from(*up).normalize_or_zero();
@@ -290,12 +303,12 @@ enum Value {
 
 /// A sky from a picture.
 fn environment(
-    (file, folder): (&Path, &Path),
+    (file, beside): (&Path, &Beside),
     (up, turn): (DVec3, f64),
     amounts: &[(&str, Option<f64>, Value)],
     warnings: &mut Vec<String>,
 ) -> Result<Sky, String> {
-    let path = folder.join(file);
+    let path = beside.find_light(file)?;
     let about = |message: String| format!("{}: {message}", path.display());
     let pixels = picture_file::read(&path).map_err(about)?;
     let [width, height] = pixels.size();

@@ -1,6 +1,6 @@
 //! Material: how a surface reflects and emits.
 
-use super::{Sheet, Side, Texture, Textures};
+use super::{LARGEST, Sheet, Side, Texture, Textures};
 
 /// How a surface passes light on.
 ///
@@ -217,8 +217,16 @@ impl Material {
         if let Some(r) = self.reflectance.iter().find(|r| !(0.0..=1.0).contains(*r)) {
             return Err(format!("reflectance {r} (Kd in MTL files) must lie between 0 and 1"));
         }
-        if let Some(e) = self.emission.iter().find(|e| !(e.is_finite() && **e >= 0.0)) {
-            return Err(format!("emission {e} (Ke in MTL files) must be finite and not negative"));
+        if let Some(e) = self.emission.iter().find(|e| !(0.0..=LARGEST).contains(*e)) {
+            return Err(format!(
+                "emission {e} (Ke in MTL files) must be finite, up to {LARGEST:e}, and not negative"
+            ));
+        }
+        let brightest_lamp = brightest(&self.emission, self.textures.emission.as_ref()).fold(0.0, f64::max);
+        if brightest_lamp > LARGEST {
+            return Err(format!(
+                "its picture makes emission as high as {brightest_lamp}, and it must be up to {LARGEST:e}"
+            ));
         }
         if self.is_textured() && !matches!(self.reflectance.len(), 1 | 3) {
             return Err(

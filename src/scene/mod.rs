@@ -4,17 +4,18 @@
 //! may rely on finite vertices, valid indices and physical materials. Read one with [`Scene::load`],
 //! take the built-in [`Scene::cornell_box`], or make one from your own triangles with [`Scene::new`].
 
+mod beside;
 mod builtin;
 mod camera;
 mod degenerate;
 mod environment;
 mod feature;
 mod glass;
+mod grouped;
 mod ies;
 mod lifted;
 mod light;
 mod light_settings;
-mod lines;
 mod material;
 mod mtl;
 mod obj;
@@ -25,8 +26,10 @@ mod receiver;
 mod settings;
 mod sheet;
 mod sky;
+mod text;
 mod texture;
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
@@ -47,6 +50,21 @@ pub use texture::{FaceTexture, Texture, Textures};
 use degenerate::drop_degenerate;
 pub(crate) use lifted::distance_to;
 use lifted::lift_lights;
+
+/// No coordinate may be farther than this from the origin, metres; products of four of them are still numbers.
+pub(crate) const FARTHEST: f64 = 1e30;
+
+/// Whether a point is one that a scene may have.
+pub(crate) fn is_near(point: DVec3) -> bool {
+    point.to_array().iter().all(|x| x.abs() <= FARTHEST)
+}
+
+/// No power, radiance or other quantity of light may be more than this, in its unit.
+pub(crate) const LARGEST: f64 = 1e30;
+
+/// No texture coordinate, and no factor of one, may be more than this: beyond it f64 no longer tells texels
+/// apart.
+pub(crate) const FARTHEST_ON_PICTURE: f64 = 1e12;
 
 /// One of the two sides of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -114,6 +132,8 @@ pub struct Scene {
     normals: Vec<DVec3>,
     /// Per face, or none at all.
     texture_coordinates: Vec<Option<[DVec2; 3]>>,
+    /// Per face, or none at all.
+    polygons: Vec<u32>,
     faces: Vec<Face>,
     materials: Vec<Material>,
     objects: Vec<String>,
@@ -127,6 +147,13 @@ pub struct Scene {
     left_out: Vec<Feature>,
 }
 
+/// How to read a scene.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Loading {
+    /// Whether files that the scene names may lie outside of its folder.
+    pub allow_outside: bool,
+}
+
 /// The raw parts of a [`Scene`], before they are checked.
 #[derive(Clone, Debug, Default)]
 pub struct SceneParts {
@@ -138,6 +165,8 @@ pub struct SceneParts {
     pub normals: Vec<DVec3>,
     /// Per face, texture coordinates of its corners where it has some; may be empty.
     pub texture_coordinates: Vec<Option<[DVec2; 3]>>,
+    /// Per face, the number of the polygon that it is part of; may be empty.
+    pub polygons: Vec<u32>,
     /// Triangles.
     pub faces: Vec<Face>,
     /// Materials, all with the same number of channels.
@@ -167,21 +196,6 @@ pub enum SceneError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// An OBJ file names a material library that is not there.
-    #[error(
-        "{}:{line}: the material library {library} cannot be read ({source}); put it beside the OBJ file or remove the mtllib line",
-        path.display()
-    )]
-    MissingLibrary {
-        /// The OBJ file.
-        path: PathBuf,
-        /// Its line that names the library.
-        line: usize,
-        /// The library.
-        library: String,
         /// What the system says.
         source: std::io::Error,
     },
@@ -225,18 +239,6 @@ pub enum SceneError {
         /// What is wrong and what to do.
         message: String,
     },
-    /// A picture on a material can't be had.
-    #[error("material {material}: {key} {}: {message}", path.display())]
-    Texture {
-        /// Its name.
-        material: String,
-        /// The entry that names the picture.
-        key: String,
-        /// The file.
-        path: PathBuf,
-        /// What is wrong and what to do.
-        message: String,
-    },
     /// A light or the sky makes no sense.
     #[error("{light}: {message}")]
     Light {
@@ -269,12 +271,29 @@ pub enum SceneError {
 }
 
 impl Scene {
-    /// Reads an OBJ file, the MTL files it names, and the `.toml` beside it if there is one.
+    /// Reads an OBJ file, the MTL files and pictures it names, and the `.toml` beside it if there is one.
+    /// Files that lie outside of its folder are not read.
     ///
     /// # Errors
     /// Any [`SceneError`] but `NoLight`; each names the file and line, the face or the material.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
-        obj::load(path.as_ref())
+        Self::load_with(path, Loading::default())
+    }
+
+    /// The same, with options.
+    ///
+    /// # Errors
+    /// Those of [`Scene::load`].
+    pub fn load_with(path: impl AsRef<Path>, options: Loading) -> Result<Self, SceneError> {
+        obj::load(path.as_ref(), options)
+    }
+
+    /// Reads an OBJ text from a stream; the files it names are looked for in `folder`. There are no settings.
+    ///
+    /// # Errors
+    /// Those of [`Scene::load`].
+    pub fn read(stream: impl Read, folder: impl AsRef<Path>, options: Loading) -> Result<Self, SceneError> {
+        obj::read(stream, folder.as_ref(), options)
     }
 
     /// The Cornell box as measured at Cornell University, built into the library.
@@ -294,7 +313,7 @@ impl Scene {
     pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
         let SceneParts { name, vertices, normals, mut faces, mut materials, objects, .. } = parts;
         let SceneParts { camera, mut lights, mut sky, receivers, efficacy, mut warnings, .. } = parts;
-        let SceneParts { mut texture_coordinates, .. } = parts;
+        let SceneParts { mut texture_coordinates, polygons, .. } = parts;
         let efficacy = efficacy.unwrap_or(EFFICACY);
         if faces.is_empty() {
             return Err(SceneError::NoFaces { name });
@@ -336,6 +355,7 @@ impl Scene {
             vertices,
             normals,
             texture_coordinates,
+            polygons,
             faces,
             materials,
             objects,
@@ -368,6 +388,12 @@ impl Scene {
     /// All triangles, dropped ones included, in file order.
     pub fn faces(&self) -> &[Face] {
         &self.faces
+    }
+
+    /// The number of the polygon that a face is part of, in file order; that of the face where nothing else is
+    /// known.
+    pub fn polygon_of(&self, face: usize) -> usize {
+        self.polygons.get(face).map_or(face, |&polygon| polygon as usize)
     }
 
     /// All materials.
@@ -470,7 +496,11 @@ fn check_faces(
         for &v in &face.vertices {
             match vertices.get(v as usize) {
                 None => return error(format!("vertex {v} does not exist; there are {}", vertices.len())),
-                Some(p) if !p.is_finite() => return error(format!("vertex {v} is {p}; it must be finite")),
+                Some(p) if !is_near(*p) => {
+                    return error(format!(
+                        "vertex {v} is {p}; it must be finite, no coordinate beyond {FARTHEST:e} m"
+                    ));
+                }
                 Some(_) => {}
             }
         }

@@ -10,13 +10,20 @@ use std::sync::Arc;
 use glam::DVec2;
 use image::{ColorType, DynamicImage, ImageError, ImageReader};
 
+use super::beside::Beside;
+use super::grouped::Grouped;
 use super::pixels::{Beyond, Pixels};
-use super::{SceneError, Texture};
+use super::{LARGEST, Texture};
+
+/// A picture of more pixels than this is not read: some 1.5 GB.
+const MOST_PIXELS: u64 = 1 << 26;
 
 /// The pictures of a scene, each read once.
-#[derive(Default)]
-pub(super) struct PictureFiles {
-    known: HashMap<PathBuf, Arc<Pixels>>,
+pub(super) struct PictureFiles<'b> {
+    beside: &'b Beside,
+    /// None where a file is no picture.
+    known: HashMap<PathBuf, Option<Arc<Pixels>>>,
+    said: Grouped,
 }
 
 /// What a line such as `map_Kd -s 2 2 1 wood.png` says.
@@ -30,35 +37,39 @@ struct Statement<'a> {
     ignored: Vec<&'a str>,
 }
 
-impl PictureFiles {
-    /// The texture that a statement of a material library in `folder` describes; `key` is for messages.
-    pub fn texture(
-        &mut self,
-        (material, key): (&str, &str),
-        statement: &str,
-        folder: &Path,
-        warnings: &mut Vec<String>,
-    ) -> Result<Texture, SceneError> {
+impl<'b> PictureFiles<'b> {
+    /// None is read yet.
+    pub fn new(beside: &'b Beside) -> Self {
+        Self { beside, known: HashMap::new(), said: Grouped::default() }
+    }
+
+    /// The texture that a statement of a material library in `folder` describes, if it can be had; `key` is
+    /// for messages.
+    pub fn texture(&mut self, key: &str, statement: &str, folder: &Path) -> Option<Texture> {
         let Statement { file, scale, offset, beyond, ignored } = Statement::of(statement);
         if !ignored.is_empty() {
-            warnings.push(format!("material {material}: {key} takes no notice of {}", ignored.join(", ")));
+            self.said.say(key, format!("no notice is taken of {}", ignored.join(", ")));
         }
-        let path = folder.join(file.replace('\\', "/"));
-        let error = |message| SceneError::Texture {
-            material: material.to_owned(),
-            key: key.to_owned(),
-            path: path.clone(),
-            message,
+        let Some(path) = self.beside.find(folder, file) else {
+            self.said.say(
+                file,
+                "not there; its material does without it: put it beside the scene, or remove the line",
+            );
+            return None;
         };
-        let pixels = match self.known.get(&path) {
-            Some(known) => known.clone(),
-            None => {
-                let pixels = Arc::new(read(&path).map_err(error)?);
-                self.known.insert(path.clone(), pixels.clone());
-                pixels
+        let known = self.known.entry(path.clone()).or_insert_with(|| match read(&path) {
+            Ok(pixels) => Some(Arc::new(pixels)),
+            Err(message) => {
+                self.said.say(file, format!("its material does without it: {message}"));
+                None
             }
-        };
-        Ok(Texture { pixels, scale, offset, beyond })
+        });
+        known.clone().map(|pixels| Texture { pixels, scale, offset, beyond })
+    }
+
+    /// What is to be said of pictures.
+    pub fn said(&self) -> &Grouped {
+        &self.said
     }
 }
 
@@ -128,25 +139,31 @@ fn word(text: &str) -> (&str, &str) {
 
 /// Reads a picture in linear light; says what is wrong and what to do.
 pub(super) fn read(path: &Path) -> Result<Pixels, String> {
-    let decoded = ImageReader::open(path)
-        .and_then(ImageReader::with_guessed_format)
-        .map_err(ImageError::IoError)
-        .and_then(ImageReader::decode);
-    let picture = decoded.map_err(|e| match e {
+    let no_picture = |e: ImageError| match e {
         ImageError::IoError(e) if e.kind() == std::io::ErrorKind::NotFound => {
             "the file is not there; put it beside the scene's other files, or correct or remove the line"
                 .to_owned()
         }
         e => format!("cannot be read ({e}); give a PNG, JPEG, BMP, TGA, HDR or EXR file"),
-    })?;
+    };
+    let open = || ImageReader::open(path)?.with_guessed_format();
+    let (width, height) =
+        open().map_err(ImageError::IoError).and_then(ImageReader::into_dimensions).map_err(no_picture)?;
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        return Err(format!(
+            "{width} x {height} pixels are more than the {MOST_PIXELS} that are read; make it smaller"
+        ));
+    }
+    let picture = open().map_err(ImageError::IoError).and_then(ImageReader::decode).map_err(no_picture)?;
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let texels = texels(picture);
     if texels.is_empty() {
         return Err("the picture has no pixels".into());
     }
-    if let Some(k) = texels.iter().position(|texel| texel.iter().any(|x| !(x.is_finite() && *x >= 0.0))) {
+    let is_light = |x: &f32| *x >= 0.0 && f64::from(*x) <= LARGEST;
+    if let Some(k) = texels.iter().position(|texel| !texel.iter().all(is_light)) {
         return Err(format!(
-            "the pixel at column {}, row {} is {:?}; light must be finite and not negative: repair the picture",
+            "the pixel at column {}, row {} is {:?}; light must be finite, up to {LARGEST:e}, and not negative: repair the picture",
             k % width,
             k / width,
             texels[k]

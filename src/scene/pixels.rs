@@ -114,6 +114,9 @@ impl Pixels {
                 / DVec2::new(self.width as f64, self.height as f64);
             return coarser.mean_over(triangle.map(|p| p * shrunk), beyond);
         }
+        if let [texel] = self.texels[..] {
+            return texel.map(f64::from);
+        }
         if area.abs() < 1e-9 {
             let middles = [a + b, b + c, c + a].map(|sum| self.at(0.5 * sum, beyond));
             return [0, 1, 2].map(|k| (middles[0][k] + middles[1][k] + middles[2][k]) / 3.0);

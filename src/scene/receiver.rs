@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::is_near;
+
 /// A work plane or sensor grid: the middles of the cells of a parallelogram.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Receiver {
@@ -47,9 +49,11 @@ impl Receiver {
 
     /// What is wrong with it, if anything.
     pub(super) fn check(&self) -> Result<(), String> {
-        let finite = self.corner.is_finite() && self.edges.iter().all(|edge| edge.is_finite());
-        if !finite || self.normal() == DVec3::ZERO {
-            return Err("corner and edges must be finite, and the edges must span an area".into());
+        let sound = is_near(self.corner) && self.edges.into_iter().all(is_near);
+        if !sound || self.normal() == DVec3::ZERO {
+            return Err(
+                "corner and edges must be finite, up to 1e30 m, and the edges must span an area".into()
+            );
         }
         let count = self.counts[0].checked_mul(self.counts[1]).filter(|count| (1..=MOST).contains(count));
         count.map(|_| ()).ok_or_else(|| format!("points must be 1 to {MOST} in all"))

@@ -7,16 +7,17 @@ use glam::DVec3;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::beside::Beside;
 use super::light_settings::{LightSettings, SkySettings};
 use super::photometry::EFFICACY;
-use super::{Camera, Material, Receiver, SceneError, SceneParts, Sheet, Surface};
+use super::{Camera, FARTHEST, LARGEST, Material, Receiver, SceneError, SceneParts, Sheet, Surface, is_near};
 
 /// The content of a scene's `.toml`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Settings {
-    /// Metres per unit of length of the OBJ file and of the camera; 1 if not given.
-    unit: Option<Spanned<f64>>,
+    /// Metres per unit of length of the OBJ file and of the camera, or the unit's name; 1 if not given.
+    unit: Option<Spanned<Unit>>,
     camera: Option<Spanned<CameraSettings>>,
     /// What to change of the MTL file's materials, by name.
     #[serde(default)]
@@ -68,6 +69,45 @@ struct MaterialSettings {
     thin: bool,
 }
 
+/// A unit of length.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "a unit is the number of metres in it, or one of m, dm, cm, mm, km, inch, ft")]
+enum Unit {
+    Metres(f64),
+    Named(Length),
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Length {
+    #[serde(alias = "metre", alias = "metres", alias = "meter", alias = "meters")]
+    M,
+    Dm,
+    Cm,
+    #[serde(alias = "millimetres", alias = "millimeters")]
+    Mm,
+    Km,
+    #[serde(alias = "in", alias = "inches")]
+    Inch,
+    #[serde(alias = "foot", alias = "feet")]
+    Ft,
+}
+
+impl Unit {
+    fn metres(&self) -> f64 {
+        match self {
+            Self::Metres(metres) => *metres,
+            Self::Named(Length::M) => 1.0,
+            Self::Named(Length::Dm) => 0.1,
+            Self::Named(Length::Cm) => 0.01,
+            Self::Named(Length::Mm) => 0.001,
+            Self::Named(Length::Km) => 1000.0,
+            Self::Named(Length::Inch) => 0.0254,
+            Self::Named(Length::Ft) => 0.3048,
+        }
+    }
+}
+
 /// One number for every channel, or one each.
 #[derive(Debug, Deserialize)]
 #[serde(untagged, expecting = "a colour is one number, or three in brackets")]
@@ -94,21 +134,28 @@ fn normal_lens() -> f64 {
 }
 
 /// Changes the parts of a scene as the settings say; `path` is for messages.
-pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(), SceneError> {
+pub(super) fn apply(
+    path: &Path,
+    text: &str,
+    beside: &Beside,
+    parts: &mut SceneParts,
+) -> Result<(), SceneError> {
     let error = |start: usize, message: String| {
         let line = 1 + text.bytes().take(start).filter(|&byte| byte == b'\n').count();
         SceneError::Parse { path: path.to_path_buf(), line, message }
     };
-    let folder = path.parent().unwrap_or(Path::new(""));
     let settings: Settings = toml::from_str(text)
         .map_err(|e| error(e.span().map_or(0, |span| span.start), e.message().to_owned()))?;
-    let unit = settings.unit.as_ref().map_or(1.0, |unit| *unit.get_ref());
-    if let Some(given) = settings.unit.filter(|_| !(unit.is_finite() && unit > 0.0)) {
-        let message = format!("unit = {unit}: metres per unit must be positive");
-        return Err(error(given.span().start, message));
-    }
-    for vertex in &mut parts.vertices {
-        *vertex *= unit;
+    let unit = settings.unit.as_ref().map_or(1.0, |unit| unit.get_ref().metres());
+    parts.vertices.iter_mut().for_each(|vertex| *vertex *= unit);
+    if let Some(given) = settings.unit {
+        let wrong = |message: String| error(given.span().start, format!("unit = {unit}: {message}"));
+        if !(unit.is_finite() && unit > 0.0) {
+            return Err(wrong("metres per unit must be positive".into()));
+        }
+        if parts.vertices.iter().any(|vertex| !is_near(*vertex)) {
+            return Err(wrong(format!("it makes coordinates of more than {FARTHEST:e} m")));
+        }
     }
     if let Some(given) = settings.camera {
         let CameraSettings { position, target, up, fov } = *given.get_ref();
@@ -122,7 +169,11 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
     for (name, given) in settings.material {
         let wrong = |message: String| error(given.span().start, format!("material {name}: {message}"));
         let Some(material) = parts.materials.iter_mut().find(|m| m.name == name) else {
-            return Err(wrong("no face or library has it; remove it or correct its name".into()));
+            let known: Vec<&str> = parts.materials.iter().take(20).map(|m| m.name.as_str()).collect();
+            return Err(wrong(format!(
+                "no face or library has it; remove it or correct its name; there are {}",
+                known.join(", ")
+            )));
         };
         let MaterialSettings { reflectance, emission, roughness, thin, .. } = given.get_ref();
         if let Some(reflectance) = reflectance {
@@ -159,13 +210,14 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
         material.check().map_err(wrong)?;
     }
     let efficacy = settings.efficacy.as_ref().map_or(EFFICACY, |efficacy| *efficacy.get_ref());
-    if let Some(given) = settings.efficacy.filter(|_| !(efficacy.is_finite() && efficacy > 0.0)) {
-        let message = format!("efficacy = {efficacy}: lumens per watt must be positive");
+    if let Some(given) = settings.efficacy.filter(|_| !(efficacy > 0.0 && efficacy <= LARGEST)) {
+        let message = format!("efficacy = {efficacy}: lumens per watt must be positive, up to {LARGEST:e}");
         return Err(error(given.span().start, message));
     }
     parts.efficacy = Some(efficacy);
+    let up = parts.camera.map_or(DVec3::Y, |camera| camera.up.normalize_or(DVec3::Y));
     for given in &settings.light {
-        let light = given.get_ref().light((unit, efficacy), folder, &mut parts.warnings);
+        let light = given.get_ref().light((unit, efficacy), up, beside, &mut parts.warnings);
         parts.lights.push(light.map_err(|message| error(given.span().start, format!("light: {message}")))?);
     }
     for given in &settings.receiver {
@@ -177,7 +229,7 @@ pub(super) fn apply(path: &Path, text: &str, parts: &mut SceneParts) -> Result<(
         parts.receivers.push(receiver);
     }
     if let Some(given) = &settings.sky {
-        let sky = given.get_ref().sky(efficacy, folder, &mut parts.warnings);
+        let sky = given.get_ref().sky(efficacy, beside, &mut parts.warnings);
         parts.sky = Some(sky.map_err(|message| error(given.span().start, format!("sky: {message}")))?);
     }
     Ok(())

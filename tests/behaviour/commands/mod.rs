@@ -23,7 +23,7 @@ const SMALL: [&str; 6] = ["--patches", "200", "--rays", "64", "--size", "80x60"]
 /// What `solve` writes.
 const RESULTS: [&str; 5] = ["faces.csv", "image.png", "mesh.ply", "patches.csv", "solution.json"];
 
-const FACES: &str = "face,side,object,material,area,irradiance_r,irradiance_g,irradiance_b,radiance_r,radiance_g,radiance_b,error_r,error_g,error_b";
+const FACES: &str = "face,side,object,material,area,irradiance_r,irradiance_g,irradiance_b,radiance_r,radiance_g,radiance_b,error_r,error_g,error_b,polygon";
 const PATCHES: &str = "patch,face,side,cx,cy,cz,area,irradiance_r,irradiance_g,irradiance_b,radiance_r,radiance_g,radiance_b,error_r,error_g,error_b";
 
 /// Names that stages may have.

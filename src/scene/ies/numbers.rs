@@ -1,0 +1,93 @@
+//! Numbers: those of a photometric file, each with its line.
+
+use crate::scene::LARGEST;
+
+/// The numbers of a file that follow a line, apart by spaces and commas.
+pub(super) struct Numbers<'a> {
+    words: Box<dyn Iterator<Item = (usize, &'a str)> + 'a>,
+    /// The line of the number read last.
+    line: usize,
+}
+
+impl<'a> Numbers<'a> {
+    pub fn after(text: &'a str, line: usize) -> Self {
+        let lines = (1..).zip(text.lines()).skip(line);
+        let separator = |c: char| c.is_whitespace() || c == ',';
+        let words = lines.flat_map(move |(number, line)| {
+            line.split(separator).filter(|word| !word.is_empty()).map(move |word| (number, word))
+        });
+        Self { words: Box::new(words), line }
+    }
+
+    /// An error at the number read last.
+    pub fn wrong(&self, message: &str) -> (usize, String) {
+        (self.line, message.to_owned())
+    }
+
+    pub fn next(&mut self, what: &str) -> Result<f64, (usize, String)> {
+        let Some((line, word)) = self.words.next() else {
+            return Err(
+                self.wrong(&format!("the file ends where {what} should follow; get a whole copy of it"))
+            );
+        };
+        self.line = line;
+        let number = word.parse().ok().filter(|x: &f64| x.abs() <= LARGEST);
+        number.ok_or_else(|| {
+            self.wrong(&format!("`{word}` stands where {what} should; it must be a number up to {LARGEST:e}"))
+        })
+    }
+
+    pub fn positive(&mut self, what: &str) -> Result<f64, (usize, String)> {
+        match self.next(what)? {
+            x if x > 0.0 => Ok(x),
+            x => Err(self.wrong(&format!("{what} is {x}, and must be positive"))),
+        }
+    }
+
+    pub fn count(&mut self, what: &str, most: usize) -> Result<usize, (usize, String)> {
+        match self.next(what)? {
+            x if x >= 1.0 && x <= most as f64 && x.fract() == 0.0 => Ok(x as usize),
+            x => Err(self.wrong(&format!("{what} is {x}, and must be a whole number from 1 to {most}"))),
+        }
+    }
+
+    pub fn angles(&mut self, count: usize, which: &str) -> Result<Vec<f64>, (usize, String)> {
+        let mut angles: Vec<f64> = Vec::with_capacity(count);
+        for k in 0..count {
+            let angle = self.next(&format!("{which} angle {} of {count}", k + 1))?;
+            if angles.last().is_some_and(|&last| angle <= last) {
+                let message = format!(
+                    "{which} angle {} of {count} is {angle}, and must be more than the one before it",
+                    k + 1
+                );
+                return Err(self.wrong(&message));
+            }
+            angles.push(angle);
+        }
+        Ok(angles)
+    }
+
+    /// Candelas, if factors have not made them too large.
+    pub fn sound(&self, candela: Vec<f64>) -> Result<Vec<f64>, (usize, String)> {
+        match candela.iter().find(|x| !(x.abs() <= LARGEST)) {
+            None => Ok(candela),
+            Some(x) => {
+                Err(self.wrong(&format!("with all factors a candela is {x}, and must be up to {LARGEST:e}")))
+            }
+        }
+    }
+
+    /// Makes sure that nothing follows.
+    pub fn end(&mut self, what: &str) -> Result<(), (usize, String)> {
+        match self.words.next() {
+            None => Ok(()),
+            Some((line, word)) => Err((
+                line,
+                format!(
+                    "`{word}` is left over after {what}, and {} more; a count is wrong, or commas stand for decimal points",
+                    self.words.by_ref().count()
+                ),
+            )),
+        }
+    }
+}
