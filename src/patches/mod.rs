@@ -227,9 +227,16 @@ impl<'s> Patches<'s> {
         slots: Option<&[u32]>,
         options: &Tessellation,
     ) -> Result<Self, PatchError> {
+        if !(edge.is_finite() && edge > 0.0) {
+            return Err(PatchError::Size(format!("{edge}")));
+        }
         let mut patches = Self::cut(tracer, edge, &mut Parting::new(tracer), options)?;
         match slots {
-            Some(slots) => patches.activate_just(slots.iter().copied()),
+            // Of a file: what the cut does not have is no patch.
+            Some(slots) => {
+                let all = patches.slots() as u32;
+                patches.activate_just(slots.iter().copied().filter(|&slot| slot < all));
+            }
             None => patches.reach(tracer, options, sides::LOOK)?,
         }
         Ok(patches)

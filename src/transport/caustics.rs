@@ -48,6 +48,15 @@ pub(super) struct Caustics {
 }
 
 impl Caustics {
+    /// Whether they lead from slot to slot.
+    pub fn are_of(&self, is_slot: impl Fn(u32) -> bool) -> bool {
+        let is_sound =
+            |one: &Caustic| is_slot(one.receiver) && is_slot(one.lamp) && u32::from(one.batch) < BATCHES;
+        self.found.iter().all(is_sound)
+            && self.found.is_sorted_by_key(|one| (one.receiver, one.lamp))
+            && (self.shots > 0 || self.found.is_empty())
+    }
+
     /// Shoots from all lamp slots; `is_lamp` tells of any slot whether it is one.
     pub fn trace(
         tracer: &Tracer,

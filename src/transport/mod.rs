@@ -37,6 +37,7 @@ mod saved;
 mod sections;
 mod shrinkage;
 mod solvable;
+mod sound;
 mod sources;
 mod spread;
 mod storage;

@@ -23,7 +23,7 @@ use super::recipe::{BATCHES, RayCount, Recipe};
 use super::sections::{Content, FactorsFileError, Section, VERSION, ends_with_section, read_section};
 use super::storage::Storage;
 use super::tones::Tones;
-use super::{Closure, FormFactors, Keep, StorageKind, TransportError};
+use super::{Closure, FormFactors, Keep, StorageKind, TransportError, sound};
 use crate::patches::{Basis, Patches, Tessellation};
 use crate::scene::{FaceState, Scene, Side, Surface};
 use crate::trace::{Lamps, Tracer};
@@ -88,22 +88,29 @@ impl FormFactors {
         let same_light = saved.light == light_hash(scene);
         let known = same_light.then_some(saved.slots.as_slice());
         let mut patches = Patches::recut(tracer, saved.edge, known, options)?;
+        saved.check(&patches, known)?;
         if patches.is_empty() {
             return Err(TransportError::Dark);
         }
         let lamps = Lamps::of_interest(tracer, lamp_rays);
         if same_light && lamps.faces().eq(saved.lamp_faces.iter().copied()) {
-            let rows = (keep == Keep::Rays).then(|| saved.read_rows(file)).transpose()?;
+            let rows = (keep == Keep::Rays).then(|| saved.read_rows(file, &patches)).transpose()?;
+            if rows.as_ref().is_some_and(|rows| !sound::has_all(rows, &patches)) {
+                return Err(FactorsFileError::Unsound { part: "rows" }.into());
+            }
             let mass = Mass::new(saved.recipe.basis, patches.etendues());
             let exchange = |SavedExchange { storage, scale, ends, closure, shrinkage }| {
                 Exchange::from_raw(storage, scale, ends, mass.clone(), closure, shrinkage)
             };
-            let exchanges = saved.exchanges.into_iter().map(exchange).collect();
+            let exchanges: Vec<Exchange> = saved.exchanges.into_iter().map(exchange).collect();
+            if !exchanges.iter().all(sound::is_exchange) {
+                return Err(FactorsFileError::Unsound { part: "exchange areas" }.into());
+            }
             let reuse = Reuse { traced: 0, held, balanced: true };
             return Ok((patches, Self::from_parts((exchanges, saved.tones), per_patch, rows), reuse));
         }
         progress.at("trace", 0.0)?;
-        let mut rows = saved.read_rows(file)?;
+        let mut rows = saved.read_rows(file, &patches)?;
         rows.adapt(tracer, &mut patches, progress)?;
         let reuse = Reuse { traced: rows.all().len() - held, held, balanced: false };
         let factors = Self::balance(rows, &patches, storage, keep, progress)?;
@@ -265,8 +272,26 @@ impl Saved {
         Ok(Self { light, edge, recipe, lamp_faces, held, slots, tones, exchanges })
     }
 
+    /// Holds what is known of patches against the cut; `known` are those that were taken from here.
+    fn check(&self, patches: &Patches, known: Option<&[u32]>) -> Result<(), FactorsFileError> {
+        let unsound = |part| Err(FactorsFileError::Unsound { part });
+        if !sound::is_recipe(&self.recipe) {
+            return unsound("number of rays");
+        }
+        let faces = patches.scene().faces().len() as u32;
+        if !(self.lamp_faces.is_sorted_by(|a, b| a < b) && self.lamp_faces.iter().all(|&face| face < faces)) {
+            return unsound("list of lamps");
+        }
+        let as_cut =
+            |slots: &[u32]| slots.iter().copied().eq((0..patches.len()).map(|i| patches.slot_of_patch(i)));
+        if !known.is_none_or(as_cut) {
+            return unsound("list of patches");
+        }
+        Ok(())
+    }
+
     /// Reads the second section.
-    fn read_rows(&self, file: &mut (impl Read + Seek)) -> Result<Rows, FactorsFileError> {
+    fn read_rows(&self, file: &mut (impl Read + Seek), patches: &Patches) -> Result<Rows, FactorsFileError> {
         let section = read_section(file)?;
         let mut from = Content(&section);
         let slots = from.some::<u32>(self.held)?;
@@ -290,7 +315,12 @@ impl Saved {
             rows.push(Row { slot, landings, survivors, spots, lamps });
         }
         let caustics = Caustics::from_parts(from.one()?, from.list::<Caustic>()?);
-        Ok(Rows::new((self.recipe, self.tones.clone()), self.lamp_faces.clone(), rows, caustics))
+        let rows = Rows::new((self.recipe, self.tones.clone()), self.lamp_faces.clone(), rows, caustics);
+        if sound::is_rows(&rows, patches) {
+            Ok(rows)
+        } else {
+            Err(FactorsFileError::Unsound { part: "rows" })
+        }
     }
 }
 

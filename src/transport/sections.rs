@@ -6,7 +6,7 @@ use bytemuck::Pod;
 use xxhash_rust::xxh3::xxh3_64;
 
 /// Files of another version are refused.
-pub(super) const VERSION: u32 = 6;
+pub(super) const VERSION: u32 = 7;
 
 /// Why a file of form factors can't be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -24,6 +24,12 @@ pub enum FactorsFileError {
     /// Some of it is missing or altered.
     #[error("the file is damaged: it is cut off or its checksum does not match; save the form factors anew")]
     Damaged,
+    /// What it says cannot be of this geometry.
+    #[error("the file is damaged: its {part} cannot be of this geometry; save the form factors anew")]
+    Unsound {
+        /// Which part of it.
+        part: &'static str,
+    },
     /// It can't be read.
     #[error("the file cannot be read: {0}")]
     Unreadable(String),

@@ -6,6 +6,7 @@ use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Material, Scene, SceneParts};
 use radiosity::solve::{self, CgOptions};
 use radiosity::trace::Tracer;
+use radiosity::trace::sampling::Stream;
 use radiosity::transport::{
     FactorsFileError, FormFactors, Keep, Reuse, StorageKind, TraceOptions, Transport, TransportError,
 };
@@ -173,7 +174,7 @@ fn a_file_that_does_not_fit_is_refused_with_the_reason() {
     }
     let mut newer = file.clone();
     newer[8] += 1;
-    assert_eq!(refused(&newer, &tracer), FactorsFileError::Version { found: 7 });
+    assert_eq!(refused(&newer, &tracer), FactorsFileError::Version { found: 8 });
     let moved = Scene::new(SceneParts {
         name: "moved".into(),
         vertices: scene.vertices().iter().map(|&p| p * 1.25).collect(),
@@ -194,4 +195,81 @@ fn form_factors_without_their_rays_can_not_be_saved() {
     let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
     let error = factors.save(&patches, &mut Vec::new()).unwrap_err();
     assert!(error.to_string().contains("not kept"), "{error}");
+}
+
+/// Where the two sections of a file begin, behind their lengths, and how long they are.
+fn sections(file: &[u8]) -> [(usize, usize); 2] {
+    let length = |at: usize| u64::from_le_bytes(file[at..at + 8].try_into().unwrap()) as usize;
+    let first = (20, length(12));
+    let second = first.0 + first.1 + 8;
+    [first, (second + 8, length(second))]
+}
+
+/// Changes a number or a few in a section, and makes the checksum right.
+fn forge(file: &[u8], seed: u64) -> Vec<u8> {
+    let mut random = Stream::Callers
+        .sequence(seed, 1, 0)
+        .point(0)
+        .into_iter()
+        .chain(Stream::Callers.sequence(seed, 2, 0).point(1));
+    let mut below = |n: usize| (random.next().unwrap() * n as f64) as usize;
+    let mut forged = file.to_vec();
+    let (start, length) = sections(file)[below(8) / 7];
+    // Half of all hits fall on what stands before the lists.
+    let words = if below(2) == 0 { 64.min(length / 4) } else { length / 4 };
+    let place = start + 4 * below(words);
+    let word: [u8; 4] = forged[place..place + 4].try_into().unwrap();
+    let new = match below(8) {
+        0 => [0xff; 4],
+        1 => [0; 4],
+        2 => (u32::from_le_bytes(word).wrapping_add(1)).to_le_bytes(),
+        3 => (f32::from_le_bytes(word) * 1.01).to_le_bytes(),
+        4 => f32::NAN.to_le_bytes(),
+        5 => (-f32::from_le_bytes(word)).to_le_bytes(),
+        6 => [word[3], word[1], word[2], word[0]],
+        _ => 0x7fff_fff0u32.to_le_bytes(),
+    };
+    forged[place..place + 4].copy_from_slice(&new);
+    let sum = xxhash_rust::xxh3::xxh3_64(&forged[start..start + length]);
+    forged[start + length..start + length + 8].copy_from_slice(&sum.to_le_bytes());
+    forged
+}
+
+#[test]
+fn forged_files_with_right_checksums_change_no_answer() {
+    let (left, both) = (scene([5.0, 0.0], 0.5), scene([5.0, 5.0], 0.5));
+    let (tracer, tracer_of_both) = (Tracer::new(&left), Tracer::new(&both));
+    let [mut changed, mut refused] = [0; 2];
+    for (basis, storage) in [
+        (Basis::Constant, StorageKind::Dense),
+        (Basis::Constant, StorageKind::Sparse),
+        (Basis::Linear, StorageKind::Sparse),
+    ] {
+        let (patches, factors) = traced_for(&tracer, (basis, storage));
+        let mut file = Vec::new();
+        factors.save(&patches, &mut file).unwrap();
+        let right = irradiance(&patches, &factors);
+        let most = right.iter().fold(0.0f64, |most, h| most.max(h.abs()));
+        for seed in 0..120 {
+            let forged = forge(&file, seed);
+            if forged == file {
+                continue;
+            }
+            changed += 1;
+            let load =
+                |tracer, keep| FormFactors::load(&mut Cursor::new(&forged), tracer, &cut(), storage, keep);
+            // Other lamps make more of the file count: nothing panics.
+            let _ = load(&tracer_of_both, Keep::Nothing);
+            let Ok((patches, factors, _)) = load(&tracer, Keep::Rays) else {
+                refused += 1;
+                continue;
+            };
+            let found = irradiance(&patches, &factors);
+            assert_eq!(found.len(), right.len(), "{basis:?} {storage:?} {seed}");
+            let off = found.iter().zip(&right).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            // Where light may start differs, all is balanced anew, from the same rays.
+            assert!(off <= 1e-6 * most, "{basis:?} {storage:?} {seed}: off by {off} of {most}");
+        }
+    }
+    assert!(changed > 250 && 2 * refused > changed, "{refused} of {changed} refused");
 }
