@@ -26,7 +26,8 @@ pub use comparison::{
 pub use energy::Energy;
 pub use error_bars::{ErrorBars, ErrorBudget, ErrorPart};
 pub use health::{
-    Finding, FrontDoubt, Grade, ObjectOverlap, front_doubts, mesh_health, operator_health, overlaps,
+    Finding, FrontDoubt, Grade, ObjectOverlap, front_doubts, mesh_health, odd_placement, operator_health,
+    overlaps,
 };
 pub use path_tracer::{Budget, Estimate, PathOptions, PathTraced, PathTracer};
 

@@ -13,17 +13,24 @@ use super::OutputError;
 ///
 /// They are written under temporary names in the same folder and take their own names together, with
 /// [`Outputs::commit`]. Without it nothing changes and nothing stays behind. No folder is made, no other file
-/// touched.
+/// touched; but for temporary ones of runs that were killed, which are removed.
 #[derive(Debug)]
 pub struct Outputs {
     folder: PathBuf,
     files: Vec<(OsString, NamedTempFile)>,
+    /// What must not be overwritten.
+    spared: Vec<PathBuf>,
 }
 
 impl Outputs {
     /// None yet, in this folder.
     pub fn in_folder(folder: impl Into<PathBuf>) -> Self {
-        Self { folder: folder.into(), files: Vec::new() }
+        Self { folder: folder.into(), files: Vec::new(), spared: Vec::new() }
+    }
+
+    /// Refuses to overwrite these files, which the run has read.
+    pub fn sparing(self, inputs: &[PathBuf]) -> Self {
+        Self { spared: inputs.to_vec(), ..self }
     }
 
     /// Adds a file of this name with what `write` writes.
@@ -37,6 +44,10 @@ impl Outputs {
     ) -> Result<(), OutputError> {
         let name = name.into();
         let path = self.folder.join(&name);
+        spare(&path, &self.spared)?;
+        if self.files.is_empty() {
+            remove_left_over(&self.folder);
+        }
         let written = || {
             // A folder of that name would stop the commit halfway.
             if path.is_dir() {
@@ -56,7 +67,7 @@ impl Outputs {
     /// # Errors
     /// `Write`.
     pub fn commit(self) -> Result<Vec<String>, OutputError> {
-        let Self { folder, files } = self;
+        let Self { folder, files, .. } = self;
         let rename = |(name, file): (OsString, NamedTempFile)| {
             let path = folder.join(&name);
             file.persist(&path).map_err(|failed| OutputError::Write { path, source: failed.error })?;
@@ -88,6 +99,39 @@ pub fn replace(
     Ok(())
 }
 
+/// Refuses a path at which one of the files lies that the run has read.
+///
+/// # Errors
+/// `Input`.
+pub fn spare(path: &Path, inputs: &[PathBuf]) -> Result<(), OutputError> {
+    let is_path = |input: &PathBuf| match (input.canonicalize(), path.canonicalize()) {
+        (Ok(input), Ok(path)) => input == path,
+        _ => false,
+    };
+    match inputs.iter().any(is_path) {
+        true => Err(OutputError::Input { path: path.to_owned() }),
+        false => Ok(()),
+    }
+}
+
+/// Removes temporary files in a folder that no run holds any more.
+fn remove_left_over(folder: &Path) {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let is_ours = |entry: &std::fs::DirEntry| {
+        let name = entry.file_name();
+        name.to_string_lossy().starts_with(PREFIX) && entry.file_type().is_ok_and(|kind| kind.is_file())
+    };
+    for path in entries.filter(is_ours).map(|entry| entry.path()) {
+        // A run holds its files locked until they have their names.
+        if File::open(&path).is_ok_and(|file| file.try_lock().is_ok()) {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+/// How names of temporary files begin.
+const PREFIX: &str = ".radiosity-";
+
 fn fill(file: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut writer = BufWriter::with_capacity(1 << 16, file);
     write(&mut writer)?;
@@ -96,14 +140,17 @@ fn fill(file: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) 
 
 fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".radiosity-");
+    builder.prefix(PREFIX);
     // The permissions of any new file: everyone's, less the umask.
     #[cfg(unix)]
     let ordinary = <std::fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666);
     #[cfg(unix)]
     builder.permissions(ordinary);
     // The name of a file that never was helps no one: keep only what the system says.
-    builder.tempfile_in(folder).map_err(|e| io::Error::from(e.kind()))
+    let file = builder.tempfile_in(folder).map_err(|e| io::Error::from(e.kind()))?;
+    // Where files cannot be locked nothing is removed either.
+    let _ = file.as_file().try_lock();
+    Ok(file)
 }
 
 #[cfg(test)]

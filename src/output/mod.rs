@@ -35,7 +35,7 @@ pub use self::figure::{
     BouncePictures, ComparisonOptions, OrdersPlot, Quantity, SmallPlot, write_bounces, write_comparison,
     write_false_colours, write_knobs_plot, write_orders_plot, write_small_plots, write_study_plot,
 };
-pub use self::file::{Outputs, replace};
+pub use self::file::{Outputs, replace, spare};
 pub use self::form_factors::{FactorEntry, FactorFormat, FactorTable, write_form_factors};
 pub use self::image::{Outlines, RenderOptions, Shading, Surfaces, render};
 pub use self::mesh::write_ply;
@@ -67,6 +67,12 @@ pub enum OutputError {
         path: PathBuf,
         /// What the system says.
         source: std::io::Error,
+    },
+    /// A file that the run has read would be overwritten.
+    #[error("{} belongs to the scene and would be overwritten; choose another place for the results", path.display())]
+    Input {
+        /// The file.
+        path: PathBuf,
     },
     /// A file's name does not tell how to write form factors.
     #[error("{}: form factors are written as .csv, .mtx or .npz; end the name of the file in one of these", path.display())]

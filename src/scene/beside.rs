@@ -22,6 +22,7 @@ pub(super) struct Beside {
     /// Names of files that were found elsewhere than they should lie, and of those that lie outside.
     elsewhere: RefCell<Vec<String>>,
     outside: RefCell<Vec<String>>,
+    found: RefCell<Vec<PathBuf>>,
 }
 
 impl Beside {
@@ -34,6 +35,7 @@ impl Beside {
             allows_outside,
             elsewhere: RefCell::default(),
             outside: RefCell::default(),
+            found: RefCell::default(),
         }
     }
 
@@ -85,10 +87,16 @@ impl Beside {
         }
         let is_inside = || Some(path.canonicalize().ok()?.starts_with(self.root.as_ref()?));
         if self.allows_outside || is_inside().unwrap_or(false) {
+            self.found.borrow_mut().push(path.clone());
             return Some(path);
         }
         note(&self.outside, name);
         None
+    }
+
+    /// The files that were found.
+    pub fn found(&self) -> Vec<PathBuf> {
+        self.found.borrow().clone()
     }
 
     /// What is to be said of the files that were looked for.

@@ -144,6 +144,7 @@ pub struct Scene {
     efficacy: f64,
     channels: usize,
     warnings: Vec<String>,
+    inputs: Vec<PathBuf>,
     left_out: Vec<Feature>,
 }
 
@@ -185,6 +186,8 @@ pub struct SceneParts {
     pub efficacy: Option<f64>,
     /// What the reader noticed and the user should know.
     pub warnings: Vec<String>,
+    /// The files that were read.
+    pub inputs: Vec<PathBuf>,
 }
 
 /// Why a scene could not be read or does not make sense.
@@ -312,7 +315,7 @@ impl Scene {
     /// `NoFaces`, `NoArea`, `Face`, `Material`, `Light`, `Receiver` or `Camera`.
     pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
         let SceneParts { name, vertices, normals, mut faces, mut materials, objects, .. } = parts;
-        let SceneParts { camera, mut lights, mut sky, receivers, efficacy, mut warnings, .. } = parts;
+        let SceneParts { camera, mut lights, mut sky, receivers, efficacy, mut warnings, inputs, .. } = parts;
         let SceneParts { mut texture_coordinates, polygons, .. } = parts;
         let efficacy = efficacy.unwrap_or(EFFICACY);
         if faces.is_empty() {
@@ -366,6 +369,7 @@ impl Scene {
             efficacy,
             channels,
             warnings,
+            inputs,
             left_out: Vec::new(),
         })
     }
@@ -439,6 +443,11 @@ impl Scene {
     /// What reading the scene brought to light and its author should know.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+
+    /// The files that were read: the OBJ file, its settings, and all that they name.
+    pub fn inputs(&self) -> &[PathBuf] {
+        &self.inputs
     }
 
     /// The material of a face.

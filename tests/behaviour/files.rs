@@ -135,7 +135,7 @@ fn refuses_malformed_vertices() {
 
 #[test]
 fn a_malformed_weight_or_colour_is_left_out() {
-    for vertex in ["v 1 0 0 0", "v 1 0 0 nan", "v 1 0 0 heavy", "v 1 0 0 0.5 0.5"] {
+    for vertex in ["v 1 0 0 heavy", "v 1 0 0 0.5 0.5", "v 1 0 0 0.5 0.5 nan"] {
         let scene = loaded(&[("a.obj", format!("v 0 0 0\n{vertex}\nv 0 1 0\nf 1 2 3\n"))]);
         assert_eq!(scene.corners(0), [DVec3::ZERO, DVec3::X, DVec3::Y]);
         says(&scene.warnings()[0], &["1 vertex with more than a place", "line 2", "left out"]);
@@ -154,8 +154,8 @@ fn colours_of_vertices_do_not_matter() {
 }
 
 #[test]
-fn a_weight_divides_its_vertex() {
-    let scene = loaded(&[("a.obj", "v 0 0 0 1\nv 2 0 0 2\nv 0 0.5 0 0.5\nf 1 2 3\n")]);
+fn weights_of_vertices_have_a_meaning_for_curves_alone() {
+    let scene = loaded(&[("a.obj", "v 0 0 0 1\nv 1 0 0 2\nv 0 1 0 0\nf 1 2 3\n")]);
     assert_eq!(scene.corners(0), [DVec3::ZERO, DVec3::X, DVec3::Y]);
 }
 
@@ -223,8 +223,11 @@ fn faces_of_one_or_two_corners_are_left_out_and_counted() {
 
 #[test]
 fn all_lines_are_looked_at_before_one_is_refused() {
-    let message = refusal(&obj("f 1 2 9\nv nan 0 0\nf 1 2 3\nf one\n"));
+    let message = refusal(&obj("f 1 2 9\nv nan 0 0\nf 1 2 4\nf one\n"));
     says(&message, &["a.obj:4: vertex 9 does not exist", "(and 2 more such lines)"]);
+    // What no face asks for does not matter.
+    let scene = loaded(&obj("v nan 0 0\nv 1 one 1\nf 1 2 3\n"));
+    says(&scene.warnings()[0], &["2 malformed vertices that no face uses (the first in line 4)"]);
 }
 
 #[test]

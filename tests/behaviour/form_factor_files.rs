@@ -453,7 +453,7 @@ fn broken_input_is_refused_and_leaves_no_file() {
     refused(&scratch, "bad.obj -o f.csv", 1, &["bad.obj:4", "vertex 4"]);
     refused(&scratch, "empty.obj -o f.csv", 1, &["no faces"]);
     refused(&scratch, "a.obj -o f.csv --rays 4", 1, &["4 rays", "between 8 and"]);
-    refused(&scratch, "a.obj -o f.csv --memory 1kB", 1, &["--memory"]);
+    refused(&scratch, "a.obj -o f.csv --memory 16MiB --edge 1e-4", 1, &["--memory"]);
     refused(&scratch, "a.obj -o a.obj/f.csv --rays 8 --patches 10", 1, &["cannot make the folder", "--out"]);
     assert_eq!(names(scratch.folder()), before);
 }

@@ -7,9 +7,9 @@ use clap::{Args, ValueEnum};
 use radiosity::output::{
     self, Exposure, Outlines, OutputError, Outputs, Picture, RenderOptions, Shading, Surfaces,
 };
-use radiosity::patches::{Basis, PatchSize, Patches, Reach, Tessellation};
+use radiosity::patches::{Basis, Outlook, PatchSize, Patches, Reach, Tessellation};
 use radiosity::progress::Progress;
-use radiosity::scene::{Camera, Scene, SceneError};
+use radiosity::scene::{Camera, Loading, Scene, SceneError};
 use radiosity::solve::{Method, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{LightOptions, Solving, StorageKind, TraceOptions};
@@ -20,21 +20,63 @@ use crate::terminal::{Failure, Terminal};
 /// What to read and where to write.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// OBJ file; a .toml beside it may set camera, unit, materials, lights and sky [default: the built-in
-    /// Cornell box]
+    /// OBJ file, or - for standard input; a .toml beside it may set camera, unit, materials, lights and sky
+    /// [default: the built-in Cornell box]
     pub scene: Option<PathBuf>,
+
+    /// Also read libraries, pictures and photometric files that lie outside of the scene's folder
+    #[arg(long)]
+    allow_outside: bool,
 
     /// Folder for the results [default: out/<scene>]
     #[arg(short, long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
 }
 
+/// All files that commands write into the folder for the results.
+const RESULTS: [&str; 23] = [
+    "bounces.png",
+    "comparison.csv",
+    "comparison.json",
+    "comparison.png",
+    "faces.csv",
+    "faces_photometric.csv",
+    "illuminance.png",
+    "image.exr",
+    "image.png",
+    "knobs.svg",
+    "lamp_groups.csv",
+    "luminance.png",
+    "mesh.ply",
+    "orders.svg",
+    "patches.csv",
+    "patches_photometric.csv",
+    "photometry.csv",
+    "receivers.csv",
+    "study_reference.csv",
+    "solution.json",
+    "study.csv",
+    "study.md",
+    "study.svg",
+];
+
+/// Reads a scene: the built-in one, that on standard input, or that of a file.
+pub fn load(scene: Option<&Path>, allow_outside: bool) -> Result<Scene, SceneError> {
+    let options = Loading { allow_outside };
+    match scene {
+        Some(path) if path.as_os_str() == "-" => Scene::read(std::io::stdin().lock(), "", options),
+        Some(path) => Scene::load_with(path, options),
+        None => Ok(Scene::cornell_box()),
+    }
+}
+
 impl SceneArgs {
-    pub fn load(&self) -> Result<Scene, SceneError> {
-        match &self.scene {
-            Some(path) => Scene::load(path),
-            None => Ok(Scene::cornell_box()),
-        }
+    /// Reads the scene, and makes sure that no result would overwrite a file of it.
+    pub fn load(&self) -> Result<Scene, Failure> {
+        let scene = load(self.scene.as_deref(), self.allow_outside)?;
+        let folder = self.folder(&scene);
+        RESULTS.iter().try_for_each(|name| output::spare(&folder.join(name), scene.inputs()))?;
+        Ok(scene)
     }
 
     /// Where the results go.
@@ -48,7 +90,7 @@ impl SceneArgs {
         std::fs::create_dir_all(&folder).map_err(|e| {
             format!("cannot make the folder {}: {e}; choose another with --out", folder.display())
         })?;
-        Ok(Outputs::in_folder(folder))
+        Ok(Outputs::in_folder(folder).sparing(scene.inputs()))
     }
 }
 
@@ -101,9 +143,13 @@ impl BasisArg {
 }
 
 impl AccuracyArgs {
-    /// How many patches there will be at least, as far as that is known.
-    pub fn wanted_patches(&self) -> usize {
-        if self.edge.is_some() { 0 } else { self.patches }
+    /// How many patches there will be at least, as far as that can be told before light is looked for.
+    pub fn wanted_patches(&self, tracer: &Tracer) -> usize {
+        match self.edge {
+            // Light may reach but one of two sides that it probably does.
+            Some(metres) => (0.5 * Outlook::new(tracer, PatchSize::Edge(metres)).patches()) as usize,
+            None => self.patches,
+        }
     }
 
     pub fn tessellation<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> Tessellation<'a> {
@@ -201,13 +247,19 @@ pub fn camera(tracer: &Tracer, patches: &Patches) -> Camera {
     tracer.scene().camera().copied().unwrap_or_else(|| output::default_camera(tracer, patches))
 }
 
-/// Says so if nothing can be seen in a picture.
-pub fn warn_if_black(picture: &Picture, terminal: &Terminal) {
+/// Says so if nothing can be seen in a picture, and why; `most` is the highest irradiance of all.
+pub fn warn_if_black(picture: &Picture, most: f64, terminal: &Terminal) {
     if picture.is_black() {
-        terminal.warn(
-            "the picture is black: the camera sees nothing that is lit; change [camera] in the scene's .toml, or remove it \
-             there to have one found",
-        );
+        terminal.warn(match most > 0.0 {
+            true => {
+                "the picture is black: the camera sees nothing that is lit; change [camera] in the scene's .toml, or remove it \
+                 there to have one found"
+            }
+            false => {
+                "the picture is black, for no light arrives anywhere: lamps shine from their fronts alone, where corners run \
+                 counter-clockwise, and may face away; `radiosity check` names them"
+            }
+        });
     }
 }
 
@@ -329,7 +381,7 @@ pub struct RunArgs {
     pub seed: u64,
 
     /// Threads [default: one per core]
-    #[arg(long, value_name = "T", value_parser = positive)]
+    #[arg(long, value_name = "T", value_parser = threads)]
     threads: Option<usize>,
 
     /// Memory that patches, the operator and the factors of the direct solver may each take
@@ -346,10 +398,10 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
-    /// Starts the threads, and makes Ctrl-C end the run at the next report of progress.
+    /// Starts the threads, and makes signals end the run at the next report of progress.
     pub fn set_up(&self, terminal: &Terminal) -> Result<(), Failure> {
         rayon::ThreadPoolBuilder::new().num_threads(self.threads.unwrap_or(0)).build_global()?;
-        terminal.stop_on_interrupt()?;
+        terminal.stop_on_signals()?;
         Ok(())
     }
 }
@@ -363,6 +415,16 @@ pub fn positive_length(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|x: &f64| x.is_finite() && *x > 0.0)
         .ok_or_else(|| "must be a number above 0".into())
+}
+
+/// Each takes a stack, and more than a few hundred help no machine.
+const MOST_THREADS: usize = 1024;
+
+fn threads(text: &str) -> Result<usize, String> {
+    positive(text)
+        .ok()
+        .filter(|&n| n <= MOST_THREADS)
+        .ok_or_else(|| format!("must be a whole number from 1 to {MOST_THREADS}"))
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
@@ -385,12 +447,18 @@ fn memory(text: &str) -> Result<u64, String> {
         "kB" => 1_000,
         "MB" => 1_000_000,
         "GB" => 1_000_000_000,
-        _ => return Err("write it as 4GiB or 500MB".into()),
+        _ => return Err(MEMORY.into()),
     };
-    let number: f64 = digits.parse().map_err(|_| "write it as 4GiB or 500MB")?;
+    let number: f64 = digits.parse().map_err(|_| MEMORY)?;
     let bytes = number * unit as f64;
-    if bytes >= 0.0 { Ok(bytes as u64) } else { Err("must not be negative".into()) }
+    if bytes >= LEAST_MEMORY as f64 { Ok(bytes as u64) } else { Err(MEMORY.into()) }
 }
+
+/// With less than this nothing can be solved.
+const LEAST_MEMORY: u64 = 16 << 20;
+
+const MEMORY: &str =
+    "write it as 4GiB or 500MB, at least 16MiB; units are B, kB, MB, GB, KiB, MiB, GiB and TiB";
 
 /// A share of one, as 0.02 or 2%.
 pub fn share(text: &str) -> Result<f64, String> {

@@ -7,7 +7,7 @@ use radiosity::patches::{Patches, Reach, Tessellation};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions};
 
-use crate::args::{AccuracyArgs, RunArgs, SceneArgs};
+use crate::args::{self, AccuracyArgs, RunArgs};
 use crate::terminal::{Failure, Terminal};
 
 /// The most rays a patch where none are asked for.
@@ -15,8 +15,13 @@ const RAYS: u32 = 128;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// OBJ file; a .toml beside it may set camera, unit and materials [default: the built-in Cornell box]
+    /// OBJ file, or - for standard input; a .toml beside it may set camera, unit and materials [default: the built-in Cornell box]
     scene: Option<PathBuf>,
+
+    /// Also read libraries, pictures and photometric files that lie outside of the scene's folder
+    #[arg(long)]
+    allow_outside: bool,
+
     #[command(flatten)]
     accuracy: AccuracyArgs,
     #[command(flatten)]
@@ -48,7 +53,7 @@ pub fn usual(rays: clap::Arg) -> clap::Arg {
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
     progress.at("load", 0.0)?;
-    let scene = SceneArgs { scene: args.scene.clone(), out: None }.load()?;
+    let scene = args::load(args.scene.as_deref(), args.allow_outside)?;
     let reach = if scene.require_light().is_ok() { Reach::Light } else { Reach::Everything };
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);

@@ -142,7 +142,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         output::render(&tracer, &patches, &direct.radiance, &camera, &RenderOptions { shading, ..look })
     };
     let [matrix, traced] = [picture(Shading::Smooth)?, picture(Shading::Path)?];
-    args::warn_if_black(&matrix, terminal);
+    args::warn_if_black(&matrix, direct.irradiance.amax(), terminal);
     let terms = solve::bounces(&k, &e, LAST_PICTURE.min(orders.len().max(2) - 1));
     let bounces = BouncePictures::render(&tracer, &patches, &terms, &camera, &look)?;
 

@@ -88,6 +88,9 @@ impl FactorsArgs {
         (scene, plan, told): (Scene, Plan, Vec<String>),
         terminal: &Terminal,
     ) -> Result<(Scene, Plan), Failure> {
+        if let Some(path) = &self.save_factors {
+            output::spare(path, scene.inputs())?;
+        }
         terminal.warn_of(&scene);
         told.iter().for_each(|line| terminal.warn(line));
         let direct_only = scene.is_without(Feature::Interreflection);
@@ -186,8 +189,9 @@ impl FactorsArgs {
                 (patches, factors)
             }
             None => {
-                if trace.without_rays(tracer, self.accuracy.wanted_patches()).is_err() {
-                    trace.check(self.accuracy.wanted_patches())?;
+                let wanted = self.accuracy.wanted_patches(tracer);
+                if trace.without_rays(tracer, wanted).is_err() {
+                    trace.check(wanted)?;
                 }
                 let mut patches = Patches::new(tracer, &tessellation)?;
                 // Where no rays are needed there are none to be kept.

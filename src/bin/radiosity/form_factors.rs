@@ -142,6 +142,7 @@ impl Args {
     fn file(&self, scene: &Scene) -> Result<PathBuf, Failure> {
         let usual = || Path::new("out").join(scene.name()).join("form_factors.csv");
         let file = self.scene.out.clone().unwrap_or_else(usual);
+        output::spare(&file, scene.inputs())?;
         if let Some(folder) = file.parent() {
             std::fs::create_dir_all(folder).map_err(|e| {
                 format!("cannot make the folder {}: {e}; choose another with --out", folder.display())
@@ -191,6 +192,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("load", 0.0)?;
     let scene = args.scene.load()?;
     terminal.warn_of(&scene);
+    let file = args.file(&scene)?;
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
     let by = args.group_by(&scene);
@@ -232,7 +234,6 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         }
     };
     progress.at("write", 0.0)?;
-    let file = args.file(&scene)?;
     output::write_form_factors(&file, &table)?;
     report(args, &table, factors.as_ref(), &file, terminal)
 }

@@ -6,6 +6,7 @@ mod check;
 mod compare;
 mod factors;
 mod form_factors;
+mod materials;
 mod plan;
 mod render;
 mod solve;
@@ -79,6 +80,12 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is::<check::Unhealthy>() => ExitCode::FAILURE,
         Err(error) => {
+            if let Some(status) = terminal.stopped() {
+                let said = error.to_string();
+                let nothing = "stopped; nothing was written, and results of earlier runs are as they were";
+                terminal.complain(if said.starts_with("stopped") { &said } else { nothing });
+                return ExitCode::from(status);
+            }
             terminal.complain(format_args!("error: {error}"));
             ExitCode::FAILURE
         }

@@ -57,7 +57,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let camera = args::camera(&tracer, &patches);
     let look = RenderOptions { carried: sources.carried.as_ref().map(|light| &light.irradiance), ..look };
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
-    args::warn_if_black(&picture, terminal);
+    args::warn_if_black(&picture, solution.irradiance.amax(), terminal);
     progress.at("write", 0.0)?;
     let mut outputs = args.scene.outputs(&scene)?;
     args.picture.write(&picture, &mut outputs)?;

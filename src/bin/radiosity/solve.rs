@@ -1,11 +1,11 @@
 //! `radiosity solve`: the main job.
 
-use radiosity::measure::{Answer, Energy, ErrorBars, Undershoot, Verdict};
+use radiosity::measure::{self, Answer, Energy, ErrorBars, Undershoot, Verdict};
 use radiosity::output::{
     self, EnergySummary, Photometry, Quantity, RenderOptions, SeriesSummary, Shading, Summary, Surfaces,
 };
 use radiosity::patches::Basis;
-use radiosity::scene::Feature;
+use radiosity::scene::{Feature, Scene};
 use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, ReceiverRows, Sources, Transport};
@@ -13,6 +13,7 @@ use radiosity::transport::{FormFactors, LightOptions, ReceiverRows, Sources, Tra
 use crate::accuracy::{self, GoalArgs};
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
+use crate::materials;
 use crate::terminal::{Failure, Terminal};
 use crate::verdict::{self, StrictArgs};
 
@@ -61,6 +62,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     }
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
+    measure::odd_placement(&tracer, args.run.seed).iter().for_each(|odd| terminal.warn(odd));
     let (patches, factors, steps) = args.goal.obtain(&args.factors, &tracer, &args.run, terminal)?;
     // What was chosen on the way to an accuracy is not among the options.
     let chosen = (!steps.is_empty()).then(|| (patches.len(), factors.rays()));
@@ -122,7 +124,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let camera = args::camera(&tracer, &patches);
     let look = RenderOptions { carried: sources.carried.as_ref().map(|light| &light.irradiance), ..look };
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
-    args::warn_if_black(&picture, terminal);
+    args::warn_if_black(&picture, whole.irradiance.amax(), terminal);
     // Illuminance is shown from patches and corners, however light is.
     let shading = if look.shading == Shading::Flat { Shading::Flat } else { Shading::Smooth };
     let look = RenderOptions { shading, surfaces: Surfaces::Averaged, ..look };
@@ -202,7 +204,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     if args.run.json {
         terminal.print(serde_json::to_string_pretty(&summary)?)?;
     }
-    terminal.say(report(&summary, scene.faces().len(), &factors))?;
+    terminal.say(report(&summary, &scene, &factors))?;
     let folder = args.scene.folder(&scene);
     terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()))?;
     verdict::warn(&summary.verdict, terminal);
@@ -210,7 +212,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
 }
 
 /// What the user wants to know, in a dozen lines.
-fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
+fn report(summary: &Summary, scene: &Scene, factors: &FormFactors) -> String {
+    let faces = scene.faces().len();
     let exchange = factors.exchange();
     let Summary { solver, series, energy, closure, .. } = summary;
     let channels =
@@ -225,6 +228,7 @@ fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
     };
     let mut lines = vec![
         format!("{}: {faces} faces, {} patches{elements}, {channels}\n", summary.scene, summary.patches),
+        format!("materials     {}", materials::line(scene)),
         format!(
             "form factors  {rays}, {:.1} MB {}; rows close to {:.0e}, from {:.0e} before balancing",
             factors.bytes() as f64 / 1e6,
@@ -280,14 +284,14 @@ fn report(summary: &Summary, faces: usize, factors: &FormFactors) -> String {
     if exchange.shrinkage() < 1.0 {
         let kept = exchange.shrinkage();
         lines.insert(
-            2,
+            3,
             format!("shrinkage     what varies within patches by {kept:.3}, for rays are too few for more"),
         );
     }
     // What a better answer would cost does not depend on pictures and files.
     let stages = summary.stages.iter().filter(|s| !["load", "build", "render", "write"].contains(&s.name));
     let answering: f64 = stages.map(|stage| stage.seconds).sum();
-    lines.insert(1, format!("error         {}", accuracy::error_line(&summary.error, answering, series)));
+    lines.insert(2, format!("error         {}", accuracy::error_line(&summary.error, answering, series)));
     let told = |order: usize| order <= 5 || order.is_multiple_of(10) || order == series.order;
     lines.extend(series.bounces.iter().filter(|bounce| told(bounce.order)).map(|bounce| {
         let flux = triple(bounce.flux);

@@ -1,9 +1,9 @@
 //! Terminal: what the user sees while and after the library works. An [`Observer`] that draws progress, keeps
-//! the time of every stage, and passes Ctrl-C on.
+//! the time of every stage, and passes Ctrl-C and SIGTERM on.
 
 use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -11,6 +11,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use radiosity::output::Stage;
 use radiosity::progress::{Observer, Progress};
 use radiosity::scene::Scene;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 
 /// Any error, ready to be printed.
 pub type Failure = Box<dyn std::error::Error>;
@@ -22,7 +24,8 @@ pub struct Terminal {
     prints: bool,
     warns: bool,
     draws: bool,
-    interrupted: Arc<AtomicBool>,
+    /// The status with which to end since a signal asked for it; 0 before.
+    stopped: Arc<AtomicUsize>,
     run: Mutex<Run>,
 }
 
@@ -39,20 +42,25 @@ impl Terminal {
             prints: !quiet && !json,
             warns: !quiet,
             draws: !quiet && std::io::stderr().is_terminal(),
-            interrupted: Arc::default(),
+            stopped: Arc::default(),
             run: Mutex::new(Run { stages: Vec::new(), began: Instant::now(), bar: None }),
         }
     }
 
-    /// The first Ctrl-C ends the run at the next report of progress, a second one at once.
-    pub fn stop_on_interrupt(&self) -> Result<(), Failure> {
-        let interrupted = Arc::clone(&self.interrupted);
-        ctrlc::set_handler(move || {
-            if interrupted.swap(true, Ordering::Relaxed) {
-                std::process::exit(130);
-            }
-        })?;
+    /// The first Ctrl-C or SIGTERM ends the run at the next report of progress, a second one at once.
+    pub fn stop_on_signals(&self) -> io::Result<()> {
+        let again = Arc::new(AtomicBool::new(false));
+        for (signal, status) in [(SIGINT, 130), (SIGTERM, 143)] {
+            flag::register_conditional_shutdown(signal, status, Arc::clone(&again))?;
+            flag::register(signal, Arc::clone(&again))?;
+            flag::register_usize(signal, Arc::clone(&self.stopped), status as usize)?;
+        }
         Ok(())
+    }
+
+    /// The exit status of a run that a signal ended, if one did.
+    pub fn stopped(&self) -> Option<u8> {
+        Some(self.stopped.load(Ordering::Relaxed) as u8).filter(|&status| status > 0)
     }
 
     pub fn progress(&self) -> Progress<'_> {
@@ -159,7 +167,7 @@ impl Run {
 
 impl Observer for Terminal {
     fn at(&self, stage: &'static str, done: f64) -> ControlFlow<()> {
-        if self.interrupted.load(Ordering::Relaxed) {
+        if self.stopped().is_some() {
             return ControlFlow::Break(());
         }
         let mut run = self.run();

@@ -12,6 +12,7 @@ mod lamps;
 mod leaks;
 mod operator;
 mod overlaps;
+mod placement;
 mod shape;
 mod winding;
 
@@ -23,6 +24,7 @@ pub(super) use closed::ClosedSurfaces;
 use edges::Edges;
 pub use operator::operator_health;
 pub use overlaps::{ObjectOverlap, overlaps};
+pub use placement::odd_placement;
 pub use winding::{FrontDoubt, front_doubts};
 
 /// What a finding means for an answer; the later, the worse.

@@ -7,6 +7,7 @@
 //!
 //! What makes geometry doubtful is an error; what can be done without is left out, and noticed.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::io::{BufRead, Read};
 use std::path::Path;
@@ -18,6 +19,9 @@ use super::polygon::{Divided, divide};
 use crate::scene::mtl::NONE;
 use crate::scene::text::{lines, named, numbers, split, uncommented};
 use crate::scene::{FARTHEST, FARTHEST_ON_PICTURE, SceneError, is_near};
+
+/// A face of more corners than this is refused.
+const MOST_CORNERS: usize = 1 << 20;
 
 /// Corners of a polygon that are farther than this from a plane, as a share of its extent, are spoken of.
 const BENT: f64 = 0.01;
@@ -36,6 +40,8 @@ pub(super) struct Lines {
     pub colours: Vec<Option<[f64; 3]>>,
     pub noticed: Noticed,
     vertices: Vec<DVec3>,
+    /// Vertices that make no sense, with their line and what is wrong, and whether a face asks for them.
+    wrong: BTreeMap<usize, (usize, String, bool)>,
     points: String,
     faces: String,
     /// How many vertices, texture coordinates and normals there are in all, and up to this line.
@@ -61,6 +67,12 @@ impl Lines {
             let (key, rest) = split(&line);
             refuse(number, taken.take_other(number, key, rest));
         }
+        for (_, (line, message, is_used)) in std::mem::take(&mut taken.wrong) {
+            match is_used {
+                true => refused.push((line, message)),
+                false => taken.noticed.add(Kind::UnusedVertex, line),
+            }
+        }
         refused.sort_unstable_by_key(|&(line, _)| line);
         let more = refused.len().saturating_sub(1);
         match refused.into_iter().next() {
@@ -85,7 +97,10 @@ impl Lines {
     fn take_point(&mut self, number: usize, key: &str, rest: &str) -> Result<(), String> {
         match key {
             "v" => {
-                let (vertex, colour) = self.vertex(number, rest)?;
+                let (vertex, colour) = self.vertex(number, rest).unwrap_or_else(|message| {
+                    self.wrong.insert(self.vertices.len(), (number, message, false));
+                    (DVec3::ZERO, None)
+                });
                 self.vertices.push(vertex);
                 self.colours.push(colour);
                 push(&mut self.points, "v", vertex);
@@ -134,6 +149,9 @@ impl Lines {
     }
 
     fn take_face(&mut self, number: usize, words: &str) -> Result<(), String> {
+        if uncommented(words).nth(MOST_CORNERS).is_some() {
+            return Err(format!("a face may have up to {MOST_CORNERS} corners"));
+        }
         let corners: Vec<[Option<usize>; 3]> =
             uncommented(words).map(|word| self.corner(number, word)).collect::<Result<_, _>>()?;
         if corners.len() < 3 {
@@ -145,6 +163,11 @@ impl Lines {
             self.faces.extend(["usemtl ", NONE, "\n"]);
         }
         let places: Vec<usize> = corners.iter().map(|corner| corner[0].unwrap_or(1) - 1).collect();
+        for place in &places {
+            if let Some((.., is_used)) = self.wrong.get_mut(place) {
+                *is_used = true;
+            }
+        }
         let Divided { triangles, bend, crosses } =
             divide(&places.iter().map(|&place| self.vertices[place]).collect::<Vec<_>>());
         if crosses {
@@ -201,7 +224,7 @@ impl Lines {
         Ok(corner)
     }
 
-    /// A vertex: three numbers, perhaps a weight that divides them or a colour.
+    /// A vertex: three numbers, perhaps a weight, which has a meaning for curves alone, or a colour.
     fn vertex(&mut self, number: usize, words: &str) -> Result<(DVec3, Option<[f64; 3]>), String> {
         let said: Vec<f64> = uncommented(words).map_while(|word| word.parse().ok()).collect();
         let all = uncommented(words).count();
@@ -211,7 +234,7 @@ impl Lines {
         };
         let (place, colour) = match said[3..] {
             [] if all == 3 => (place, None),
-            [weight] if all == 4 && weight.is_finite() && weight != 0.0 => (place / weight, None),
+            [_] if all == 4 => (place, None),
             [r, g, b] | [r, g, b, _] if all == said.len() && [r, g, b].iter().all(|c| c.is_finite()) => {
                 (place, Some([r, g, b]))
             }

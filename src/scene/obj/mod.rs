@@ -105,11 +105,30 @@ pub(super) fn parse(
     }
     colours::paint(&lines, &unknown, &mut parts);
     parts.polygons = lines.polygons;
+    parts.inputs.push(path.to_path_buf());
+    let has_unit = settings.as_ref().is_some_and(|(_, toml)| toml.contains("unit"));
+    parts.warnings.extend(hint_of_unit(path, &parts.vertices).filter(|_| !has_unit));
     if let Some((path, toml)) = settings {
         settings::apply(path, &toml, beside, &mut parts)?;
+        parts.inputs.push(path.to_path_buf());
     }
+    parts.inputs.extend(beside.found());
     parts.warnings.extend(beside.warnings());
     Scene::new(parts)
+}
+
+/// What is to be said of a scene that is larger than a street.
+fn hint_of_unit(path: &Path, vertices: &[DVec3]) -> Option<String> {
+    const LONG: f64 = 500.0;
+    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (low, high) = vertices.iter().fold(none, |(low, high), &p| (low.min(p), high.max(p)));
+    let longest = (high - low).max_element();
+    (longest > LONG).then(|| {
+        format!(
+            "the scene is {longest:.0} m long; if it was not made in metres, say so in {}: unit = \"mm\", or cm, inch, ft",
+            path.with_extension("toml").display()
+        )
+    })
 }
 
 /// The name of a scene: that of its file, but for names that are folders.

@@ -8,6 +8,7 @@ pub(super) enum Kind {
     NamelessMaterial,
     FewCorners,
     MoreOfVertex,
+    UnusedVertex,
     Normal,
     TextureCoordinate,
     Bent,
@@ -40,6 +41,11 @@ impl Noticed {
                     "vertex with more than a place, a weight or a colour",
                     "vertices with more than a place, a weight or a colour",
                     "the rest is left out",
+                ),
+                Kind::UnusedVertex => (
+                    "malformed vertex that no face uses",
+                    "malformed vertices that no face uses",
+                    "left out",
                 ),
                 Kind::Normal => (
                     "missing or malformed normal (vn)",

@@ -90,6 +90,8 @@ streams! {
     Lobes = 28,
     /// Photons of lights that stand right in front of a face: the light; the batch.
     NearPhotons = 30,
+    /// Directions in which lights and receivers look around: their number; 0 for lights and 1 for receivers.
+    Placement = 31,
     /// What callers of this library draw for purposes of their own, tests among them: anything; anything.
     Callers = 29,
 }

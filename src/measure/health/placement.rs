@@ -1,0 +1,126 @@
+//! Placement: lamps, lights and receivers that are where they cannot be meant to be: outside of the scene,
+//! within a solid, or turned away from everything.
+
+use std::fmt::Write;
+
+use glam::DVec3;
+
+use super::edges::Edges;
+use super::{Grade, lamps};
+use crate::scene::{Scene, Side};
+use crate::trace::sampling::{self, Sequence, Stream};
+use crate::trace::{Ray, Tracer};
+
+/// Directions in which a place looks around.
+const LOOKS: u32 = 64;
+
+/// Points of a receiver that look around.
+const POINTS: usize = 16;
+
+/// What is as large as this, as a share of the scene's longest side, holds the scene and is no solid in it.
+const ROOM: f64 = 0.5;
+
+/// What a place sees.
+enum Surroundings {
+    /// Nothing at all.
+    Nothing,
+    /// Backs of an object alone, all around.
+    Within(String),
+    /// More than that.
+    Scene,
+}
+
+/// What is odd about where lamps, lights without area and receivers are, a sentence each.
+pub fn odd_placement(tracer: &Tracer, seed: u64) -> Vec<String> {
+    let scene = tracer.scene();
+    let mut odd = Vec::new();
+    let astray = lamps::lamps(&Edges::new(tracer), tracer, seed);
+    if astray.verdict == Grade::Bad
+        && let Some(remedy) = &astray.remedy
+    {
+        let faces: Vec<String> = astray.faces.iter().map(usize::to_string).collect();
+        odd.push(format!("lamps (faces {}): {remedy}", faces.join(", ")));
+    }
+    for (number, light) in (1..).zip(scene.lights()) {
+        let Some(position) = light.position() else { continue };
+        let sequence = Stream::Placement.sequence(seed, number, 0);
+        let sends = |direction: &DVec3| light.share_towards(*direction) > 0.0;
+        let all = (0..8 * LOOKS).map(|k| anywhere(sequence, k)).filter(sends);
+        odd.extend(said(&format!("light {number}"), look(tracer, position, all.take(LOOKS as usize))));
+    }
+    for (number, receiver) in (0..).zip(scene.receivers()) {
+        let frame = sampling::frame_around(receiver.normal());
+        let step = receiver.len().div_ceil(POINTS).max(1);
+        let points: Vec<DVec3> = receiver.points().step_by(step).collect();
+        let sequence = Stream::Placement.sequence(seed, number, 1);
+        let ahead = |k: u32| {
+            let [u, v, ..] = sequence.point(k);
+            frame * sampling::cosine_hemisphere([u, v])
+        };
+        let views: Vec<Surroundings> =
+            points.iter().map(|&point| look(tracer, point, (0..LOOKS).map(ahead))).collect();
+        let is_lost = |view: &Surroundings| !matches!(view, Surroundings::Scene);
+        if views.iter().all(is_lost)
+            && let Some(view) = views.into_iter().next()
+        {
+            odd.extend(said(&format!("receiver {}", receiver.name), view));
+        }
+    }
+    odd
+}
+
+fn said(who: &str, view: Surroundings) -> Option<String> {
+    let mut line = format!("{who} ");
+    let _ = match view {
+        Surroundings::Nothing => write!(
+            line,
+            "meets nothing: it lies outside of the scene or is turned away from it; are its numbers in the unit of the OBJ file?"
+        ),
+        Surroundings::Within(object) => {
+            write!(line, "lies within object {object}: it sees the backs of its faces alone, all around")
+        }
+        Surroundings::Scene => return None,
+    };
+    Some(line)
+}
+
+/// What is seen from a place, in metres, in these directions.
+fn look(tracer: &Tracer, place: DVec3, directions: impl Iterator<Item = DVec3>) -> Surroundings {
+    let scene = tracer.scene();
+    let origin = tracer.frame().from_world(place);
+    let hits: Vec<_> =
+        directions.map(|direction| tracer.closest_hit(&Ray { origin, direction, from: Ray::FREE })).collect();
+    // Under an open sky there is light to be had where no surface is.
+    if hits.iter().all(Option::is_none) {
+        return if scene.sky().is_some() { Surroundings::Scene } else { Surroundings::Nothing };
+    }
+    let objects = hits.iter().map(|hit| {
+        let hit = hit.filter(|hit| hit.side == Side::Back && scene.is_diffuse(hit.face as usize))?;
+        Some(scene.faces()[hit.face as usize].object)
+    });
+    let mut objects: Vec<Option<u32>> = objects.collect();
+    objects.dedup();
+    match objects[..] {
+        [Some(object)] if extent(scene, Some(object)) < ROOM * extent(scene, None) => {
+            Surroundings::Within(scene.objects()[object as usize].clone())
+        }
+        _ => Surroundings::Scene,
+    }
+}
+
+/// The longest side of the box around an object, or around all.
+fn extent(scene: &Scene, object: Option<u32>) -> f64 {
+    let of_it = |face: &usize| object.is_none_or(|object| scene.faces()[*face].object == object);
+    let corners = (0..scene.faces().len()).filter(of_it).flat_map(|face| scene.corners(face));
+    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (low, high) = corners.fold(none, |(low, high), p| (low.min(p), high.max(p)));
+    (high - low).max_element()
+}
+
+/// A direction, all alike.
+fn anywhere(sequence: Sequence, k: u32) -> DVec3 {
+    let [u, v, ..] = sequence.point(k);
+    let (height, turn) = (1.0 - 2.0 * u, std::f64::consts::TAU * v);
+    let across = (1.0 - height * height).max(0.0).sqrt();
+    DVec3::new(across * turn.cos(), across * turn.sin(), height)
+}

@@ -1,0 +1,100 @@
+//! Lamps, lights and receivers that are where they cannot be meant to be.
+
+use glam::DVec3;
+use radiosity::measure::odd_placement;
+use radiosity::scene::{Light, Material, Receiver, Scene, SceneParts, Sky, SkyKind};
+use radiosity::trace::Tracer;
+
+use crate::scenes::{flipped, lit_quads, room};
+use crate::scratch::Scratch;
+
+type Quad = [[f64; 3]; 4];
+
+const LAMP: Quad = [[0.4, 0.9, 0.4], [0.6, 0.9, 0.4], [0.6, 0.9, 0.6], [0.4, 0.9, 0.6]];
+
+/// A room of a metre with a closed box in it, a lamp, and these lights and receivers.
+fn scene(lamp: Quad, lights: Vec<Light>, receivers: Vec<Receiver>, sky: Option<Sky>) -> Scene {
+    let walls = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
+    let mut all: Vec<(Quad, u32)> = walls.into_iter().chain([(lamp, 1)]).collect();
+    all.extend(room([0.1; 3], [0.3; 3]).map(|quad| (flipped(quad), 0)));
+    let materials = vec![Material::diffuse("grey", &[0.5]), Material::lamp("lamp", &[0.0], &[10.0])];
+    let whole = lit_quads(&all, materials, lights, sky);
+    // The box is one object.
+    let mut faces = whole.faces().to_vec();
+    faces.iter_mut().filter(|face| face.object >= 7).for_each(|face| face.object = 7);
+    let parts = SceneParts {
+        name: "room".into(),
+        vertices: whole.vertices().to_vec(),
+        faces,
+        materials: whole.materials().to_vec(),
+        objects: whole.objects().to_vec(),
+        lights: whole.lights().cloned().collect(),
+        sky: whole.sky().cloned(),
+        receivers,
+        ..Default::default()
+    };
+    Scene::new(parts).unwrap()
+}
+
+fn point(position: [f64; 3]) -> Light {
+    Light::Point { position: position.into(), intensity: vec![1.0] }
+}
+
+fn desk(corner: [f64; 3], edges: [[f64; 3]; 2]) -> Receiver {
+    Receiver { name: "desk".into(), corner: corner.into(), edges: edges.map(DVec3::from), counts: [3, 3] }
+}
+
+fn odd(scene: &Scene) -> Vec<String> {
+    odd_placement(&Tracer::new(scene), 0)
+}
+
+const UP: [[f64; 3]; 2] = [[0.0, 0.0, 0.2], [0.2, 0.0, 0.0]];
+
+#[test]
+fn nothing_is_said_of_what_is_where_it_should_be() {
+    let lights = vec![point([0.5, 0.7, 0.5]), point([0.05, 0.05, 0.05])];
+    let receivers = vec![desk([0.5, 0.4, 0.5], UP), desk([0.5, 0.4, 0.5], [UP[1], UP[0]])];
+    assert_eq!(odd(&scene(LAMP, lights, receivers, None)), [""; 0]);
+}
+
+#[test]
+fn a_lamp_that_faces_away_is_named_with_what_to_do() {
+    // Close to the ceiling, of which its front sees next to nothing.
+    let up = flipped(LAMP).map(|[x, _, z]| [x, 0.995, z]);
+    let odd = odd(&scene(up, Vec::new(), Vec::new(), None));
+    assert!(odd.len() == 1 && odd[0].contains("lamps (faces 12, 13)") && odd[0].contains("flip"), "{odd:?}");
+}
+
+#[test]
+fn lights_and_receivers_outside_or_in_solids_are_named() {
+    let says = |lights: Vec<Light>, receivers: Vec<Receiver>, wanted: &[&str]| {
+        let odd = odd(&scene(LAMP, lights, receivers, None));
+        assert!(odd.len() == 1 && wanted.iter().all(|word| odd[0].contains(word)), "{odd:?}");
+    };
+    says(vec![point([0.5; 3]), point([0.2; 3])], Vec::new(), &["light 2", "within object quad 7"]);
+    let away = Light::Spot {
+        position: DVec3::new(0.5, 3.0, 0.5),
+        direction: DVec3::Y,
+        intensity: vec![1.0],
+        cone: 30.0,
+        penumbra: 0.0,
+    };
+    says(vec![away], Vec::new(), &["light 1", "meets nothing", "unit"]);
+    says(Vec::new(), vec![desk([0.5, 1000.0, 0.5], UP)], &["receiver desk", "meets nothing"]);
+    says(Vec::new(), vec![desk([0.15; 3], UP.map(|edge| edge.map(|x| 0.2 * x)))], &["receiver desk", "within object quad 7"]);
+}
+
+#[test]
+fn under_a_sky_a_receiver_may_see_no_surface() {
+    let sky = Sky { kind: SkyKind::Constant, up: DVec3::Y, zenith: vec![1.0], ground: 0.0 };
+    assert_eq!(odd(&scene(LAMP, Vec::new(), vec![desk([0.5, 3.0, 0.5], UP)], Some(sky))), [""; 0]);
+}
+
+#[test]
+fn a_scene_as_long_as_a_street_is_asked_for_its_unit() {
+    let text = "v 0 0 0\nv 4000 0 0\nv 0 3000 0\nf 1 2 3\n";
+    let said = |files: &[(&str, &str)]| Scene::load(Scratch::with(files).path("a.obj")).unwrap().warnings().join("\n");
+    assert!(said(&[("a.obj", text)]).contains("4000 m long") && said(&[("a.obj", text)]).contains("unit = \"mm\""));
+    assert!(!said(&[("a.obj", text), ("a.toml", "unit = \"mm\"\n")]).contains("long"));
+    assert!(!said(&[("a.obj", text), ("a.toml", "unit = 1.0\n")]).contains("long"));
+}
