@@ -98,7 +98,7 @@ pub enum OutputError {
     },
     /// The camera can't make a picture.
     #[error(
-        "camera: position and target must differ, up must not be zero, and fov must lie between 0 and 180 degrees"
+        "camera: position and target must differ, up must not be zero, fov must lie between 0 and 180 degrees, and no number may be beyond 1e30"
     )]
     Camera,
     /// The observer asked to stop.

@@ -23,6 +23,7 @@ mod laws; // furnace, reciprocity, closure, energy, superposition, invariance, a
 mod lights; // lights without area and skies: closed forms, energy, the path tracer, settings
 mod linear_elements; // the same rays, less mesh error, and what keeps them stable
 mod media; // glass in water, walls in glass: Snell between solids, a furnace, apparent depth, light paths
+mod mutations; // damaged files of every format
 mod odd_files; // files as programs write them: encodings, polygons, names, files elsewhere
 mod one_sided; // form factors of one side: known values, closure, reciprocity, zeros and their bounds
 mod path_tracer; // closed forms and another renderer, judged by standard errors

@@ -59,8 +59,8 @@ fn nothing_is_said_of_what_is_where_it_should_be() {
 
 #[test]
 fn a_lamp_that_faces_away_is_named_with_what_to_do() {
-    // Close to the ceiling, of which its front sees next to nothing.
-    let up = flipped(LAMP).map(|[x, _, z]| [x, 0.995, z]);
+    // Over the room, of which its back sees the ceiling.
+    let up = flipped(LAMP).map(|[x, _, z]| [x, 1.2, z]);
     let odd = odd(&scene(up, Vec::new(), Vec::new(), None));
     assert!(odd.len() == 1 && odd[0].contains("lamps (faces 12, 13)") && odd[0].contains("flip"), "{odd:?}");
 }
@@ -81,7 +81,11 @@ fn lights_and_receivers_outside_or_in_solids_are_named() {
     };
     says(vec![away], Vec::new(), &["light 1", "meets nothing", "unit"]);
     says(Vec::new(), vec![desk([0.5, 1000.0, 0.5], UP)], &["receiver desk", "meets nothing"]);
-    says(Vec::new(), vec![desk([0.15; 3], UP.map(|edge| edge.map(|x| 0.2 * x)))], &["receiver desk", "within object quad 7"]);
+    says(
+        Vec::new(),
+        vec![desk([0.15; 3], UP.map(|edge| edge.map(|x| 0.2 * x)))],
+        &["receiver desk", "within object quad 7"],
+    );
 }
 
 #[test]
@@ -93,8 +97,13 @@ fn under_a_sky_a_receiver_may_see_no_surface() {
 #[test]
 fn a_scene_as_long_as_a_street_is_asked_for_its_unit() {
     let text = "v 0 0 0\nv 4000 0 0\nv 0 3000 0\nf 1 2 3\n";
-    let said = |files: &[(&str, &str)]| Scene::load(Scratch::with(files).path("a.obj")).unwrap().warnings().join("\n");
-    assert!(said(&[("a.obj", text)]).contains("4000 m long") && said(&[("a.obj", text)]).contains("unit = \"mm\""));
+    let said = |files: &[(&str, &str)]| {
+        Scene::load(Scratch::with(files).path("a.obj")).unwrap().warnings().join("\n")
+    };
+    assert!(
+        said(&[("a.obj", text)]).contains("4000 m long")
+            && said(&[("a.obj", text)]).contains("unit = \"mm\"")
+    );
     assert!(!said(&[("a.obj", text), ("a.toml", "unit = \"mm\"\n")]).contains("long"));
     assert!(!said(&[("a.obj", text), ("a.toml", "unit = 1.0\n")]).contains("long"));
 }

@@ -170,6 +170,25 @@ fn a_study_that_was_stopped_resumes_to_the_same_table() {
     assert!(read_study(&seeded, table.as_slice(), reference.as_slice()).is_none());
     assert!(read_study(&resumed, table.as_slice(), &reference[..reference.len() - 4]).is_none());
     assert!(read_study(&resumed, table.as_slice(), &b""[..]).is_none());
+    // So are tables of which a number cannot be.
+    let forged = |bytes: &[u8], column: usize, value: &str| -> Vec<u8> {
+        let text = String::from_utf8(bytes.to_vec()).unwrap();
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let mut fields: Vec<&str> = lines[1].split(',').collect();
+        fields[column] = value;
+        lines[1] = fields.join(",");
+        (lines.join("\n") + "\n").into_bytes()
+    };
+    for (column, value) in
+        [(0, "99999"), (0, "1"), (1, "inside"), (2, "1e9"), (2, "nan"), (4, "-1"), (4, "inf"), (5, "-1")]
+    {
+        let wrong = forged(&reference, column, value);
+        assert!(read_study(&resumed, table.as_slice(), wrong.as_slice()).is_none(), "{column} {value}");
+    }
+    for (column, value) in [(0, "0"), (0, "-3"), (4, "nan"), (6, "-1"), (6, "inf"), (2, "magic")] {
+        let wrong = forged(&table, column, value);
+        assert!(read_study(&resumed, wrong.as_slice(), reference.as_slice()).is_none(), "{column} {value}");
+    }
     let other = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/meshes/two_rooms.obj")).unwrap();
     let tracer = Tracer::new(&other);
     let other = Study::new(&tracer, whole()).unwrap();

@@ -1,5 +1,6 @@
 //! Arguments that several commands share, and what they mean to the library.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -81,7 +82,11 @@ impl SceneArgs {
 
     /// Where the results go.
     pub fn folder(&self, scene: &Scene) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| Path::new("out").join(scene.name()))
+        // The file's own name, whatever letters it is made of.
+        let stem =
+            self.scene.as_ref().and_then(|path| path.file_stem()).filter(|stem| stem.to_str().is_none());
+        let usual = || Path::new("out").join(stem.unwrap_or(OsStr::new(scene.name())));
+        self.out.clone().unwrap_or_else(usual)
     }
 
     /// Results to be written to a folder, which is made if it is not there.

@@ -75,7 +75,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     };
     let mut study = Study::new(&tracer, options)?;
     let folder = args.scene.folder(&scene);
-    resume(&mut study, &folder);
+    resume(&mut study, &folder, terminal);
     if study.taken_over() > 0 {
         terminal.say(format_args!(
             "{} rows of {} taken over",
@@ -138,12 +138,15 @@ impl Args {
 }
 
 /// Takes over what earlier runs have left in the folder.
-fn resume(study: &mut Study, folder: &Path) {
+fn resume(study: &mut Study, folder: &Path, terminal: &Terminal) {
     let open = |name: &str| File::open(folder.join(name)).ok();
-    let found = open(TABLE).zip(open(REFERENCE));
-    if let Some((reference, rows)) = found.and_then(|(table, known)| output::read_study(study, table, known))
-    {
-        study.resume(reference, rows);
+    let Some((table, reference)) = open(TABLE).zip(open(REFERENCE)) else { return };
+    match output::read_study(study, table, reference) {
+        Some((reference, rows)) => study.resume(reference, rows),
+        None => terminal.warn(format_args!(
+            "{TABLE} and {REFERENCE} in {} are of another study, or damaged: all is measured anew",
+            folder.display()
+        )),
     }
 }
 

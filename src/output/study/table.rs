@@ -5,10 +5,11 @@
 
 use std::io::{self, Read, Write};
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::measure::{ReferenceSide, Study, StudyReference, StudyRow};
-use crate::scene::Side;
+use crate::scene::{Scene, Side};
 
 /// Column of the key.
 const KEY: &str = "study";
@@ -77,21 +78,50 @@ pub fn write_study_reference(
     table.flush()
 }
 
-/// Reads what earlier runs of the same study have found; none where the reference is of another, or can't be
-/// read.
+/// Reads what earlier runs of the same study have found; none where the reference is of another, or either
+/// table is not what [`write_study_reference`] and [`write_study_table`] write of this scene.
 pub fn read_study(
     study: &Study,
     table: impl Read,
     reference: impl Read,
 ) -> Option<(StudyReference, Vec<StudyRow>)> {
     let key = spelt(study.key());
-    let reference = read_reference(reference, &key)?;
+    let reference = read_reference(reference, &key).filter(|found| is_of(found, study.scene()))?;
     let mut table = csv::Reader::from_reader(table);
     let headers = table.headers().ok()?.clone();
     let at = headers.iter().position(|name| name == KEY)?;
     let own = table.records().filter_map(Result::ok).filter(|record| record.get(at) == Some(&key));
-    let rows = own.filter_map(|record| record.deserialize(Some(&headers)).ok()).collect();
-    Some((reference, rows))
+    let rows: Vec<StudyRow> =
+        own.map(|record| record.deserialize(Some(&headers)).ok()).collect::<Option<_>>()?;
+    rows.iter().all(is_sound).then_some((reference, rows))
+}
+
+/// Whether a reference is one of a scene's faces, each side once and by every channel.
+fn is_of(reference: &StudyReference, scene: &Scene) -> bool {
+    let is_amount = |x: &f64| x.is_finite() && *x >= 0.0;
+    let is_sound = |side: &ReferenceSide| {
+        let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
+        side.face < scene.faces().len()
+            && side.area > 0.0
+            && side.area <= area(scene.corners(side.face)) * (1.0 + 1e-9)
+            && side.mean.len() == scene.channels()
+            && side.mean.iter().all(is_amount)
+            && side.standard_error.iter().chain([&side.degrees_of_freedom]).all(|x| *x >= 0.0)
+    };
+    let mut places: Vec<(usize, Side)> = reference.sides.iter().map(|side| (side.face, side.side)).collect();
+    places.sort_unstable();
+    let once = places.windows(2).all(|pair| pair[0] != pair[1]);
+    once && is_amount(&reference.seconds) && reference.sides.iter().all(is_sound)
+}
+
+/// Whether a row has numbers that measuring could give.
+fn is_sound(row: &StudyRow) -> bool {
+    let amounts = [row.seconds, row.error, row.error_se, row.leak, row.solve_seconds];
+    row.patches > 0
+        && row.repeats > 0
+        && row.bias.is_finite()
+        && amounts.iter().all(|x| x.is_finite() && *x >= 0.0)
+        && row.solve_seconds <= row.seconds
 }
 
 fn read_reference(reference: impl Read, key: &str) -> Option<StudyReference> {

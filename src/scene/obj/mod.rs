@@ -6,7 +6,7 @@ mod noticed;
 mod polygon;
 
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
 
@@ -19,7 +19,7 @@ use lines::Lines;
 /// Reads `path`, the libraries it names and the `.toml` beside it.
 pub(super) fn load(path: &Path, options: Loading) -> Result<Scene, SceneError> {
     let text = read_text(path).map_err(|e| unreadable(path, e))?;
-    let toml = path.with_extension("toml");
+    let toml = settings_path(path);
     let settings = match read_text(&toml) {
         Ok(text) => Some((toml.as_path(), text)),
         Err(e) if e.kind() == io::ErrorKind::NotFound && !toml.is_symlink() => None,
@@ -34,10 +34,17 @@ pub(super) fn load(path: &Path, options: Loading) -> Result<Scene, SceneError> {
     })
 }
 
+/// Where the settings of a scene are, if it has some.
+fn settings_path(path: &Path) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(".toml");
+    path.with_file_name(name)
+}
+
 /// What is to be said of settings beside a scene that has none, if no other scene there has them.
 fn settings_of_another_name(path: &Path, folder: &Path) -> Option<String> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let is_settings = |path: &std::path::PathBuf| {
+    let is_settings = |path: &PathBuf| {
         let of_program = ["Cargo.toml", "pyproject.toml", "clippy.toml", "rustfmt.toml"];
         path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"))
             && !path.file_name().is_some_and(|name| of_program.iter().any(|known| name == *known))
@@ -48,7 +55,7 @@ fn settings_of_another_name(path: &Path, folder: &Path) -> Option<String> {
     Some(format!(
         "{} is not read: the settings of this scene are those of {}",
         other.display(),
-        path.with_extension("toml").display()
+        settings_path(path).display()
     ))
 }
 
@@ -65,7 +72,12 @@ pub(super) fn read(mut stream: impl Read, folder: &Path, options: Loading) -> Re
 
 /// The text of a regular file: others may have no end.
 fn read_text(path: &Path) -> io::Result<String> {
-    let kind = std::fs::metadata(path)?.file_type();
+    let kind = match std::fs::metadata(path) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound && path.is_symlink() => {
+            return Err(io::Error::new(e.kind(), "it is a link that leads nowhere"));
+        }
+        known => known?.file_type(),
+    };
     if !kind.is_file() {
         return Err(io::Error::other(
             "it is not a regular file; give `-` to read a scene from standard input",
@@ -126,7 +138,7 @@ fn hint_of_unit(path: &Path, vertices: &[DVec3]) -> Option<String> {
     (longest > LONG).then(|| {
         format!(
             "the scene is {longest:.0} m long; if it was not made in metres, say so in {}: unit = \"mm\", or cm, inch, ft",
-            path.with_extension("toml").display()
+            settings_path(path).display()
         )
     })
 }
