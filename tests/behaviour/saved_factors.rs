@@ -250,7 +250,7 @@ fn forged_files_with_right_checksums_change_no_answer() {
         factors.save(&patches, &mut file).unwrap();
         let right = irradiance(&patches, &factors);
         let most = right.iter().fold(0.0f64, |most, h| most.max(h.abs()));
-        for seed in 0..120 {
+        for seed in 0..80 {
             let forged = forge(&file, seed);
             if forged == file {
                 continue;
@@ -271,5 +271,5 @@ fn forged_files_with_right_checksums_change_no_answer() {
             assert!(off <= 1e-6 * most, "{basis:?} {storage:?} {seed}: off by {off} of {most}");
         }
     }
-    assert!(changed > 250 && 2 * refused > changed, "{refused} of {changed} refused");
+    assert!(changed > 150 && 2 * refused > changed, "{refused} of {changed} refused");
 }

@@ -69,7 +69,7 @@ impl<'a> Numbers<'a> {
 
     /// Candelas, if factors have not made them too large.
     pub fn sound(&self, candela: Vec<f64>) -> Result<Vec<f64>, (usize, String)> {
-        match candela.iter().find(|x| !(x.abs() <= LARGEST)) {
+        match candela.iter().find(|x| !(0.0..=LARGEST).contains(&x.abs())) {
             None => Ok(candela),
             Some(x) => {
                 Err(self.wrong(&format!("with all factors a candela is {x}, and must be up to {LARGEST:e}")))

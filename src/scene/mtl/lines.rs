@@ -49,7 +49,7 @@ fn value(key: &str, rest: &str) -> Result<String, Wrong> {
     let no_sense = |message: &str| Err(Wrong::Line(format!("{key} must be followed by {message}")));
     let numbers = numbers(rest);
     let is_number = matches!(key, "Ka" | "Kd" | "Ks" | "Ke" | "Tf" | "Ns" | "Ni" | "d" | "Pr" | "Pm");
-    if let Some(wrong) = numbers.iter().flatten().find(|x| is_number && !(x.abs() <= LARGEST)) {
+    if let Some(wrong) = numbers.iter().flatten().find(|x| is_number && !(0.0..=LARGEST).contains(&x.abs())) {
         return Err(Wrong::Number(format!("{key} is {wrong}, and must be a number up to {LARGEST:e}")));
     }
     if let Some(wrong) = beyond_on_picture(key, rest) {
@@ -92,7 +92,7 @@ fn beyond_on_picture<'a>(key: &str, rest: &'a str) -> Option<&'a str> {
             continue;
         }
         let numbers = words.clone().take(3).map_while(|word| Some((word, word.parse::<f64>().ok()?)));
-        let wrong = numbers.into_iter().find(|(_, x)| !(x.abs() <= FARTHEST_ON_PICTURE));
+        let wrong = numbers.into_iter().find(|(_, x)| !(0.0..=FARTHEST_ON_PICTURE).contains(&x.abs()));
         if let Some((word, _)) = wrong {
             return Some(word);
         }
