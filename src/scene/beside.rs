@@ -10,6 +10,8 @@ use std::cell::RefCell;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
+use super::grouped::Names;
+
 /// Folders below in which pictures are looked for too.
 const POCKETS: [&str; 1] = ["textures"];
 
@@ -20,8 +22,8 @@ pub(super) struct Beside {
     root: Option<PathBuf>,
     allows_outside: bool,
     /// Names of files that were found elsewhere than they should lie, and of those that lie outside.
-    elsewhere: RefCell<Vec<String>>,
-    outside: RefCell<Vec<String>>,
+    elsewhere: RefCell<Names>,
+    outside: RefCell<Names>,
     found: RefCell<Vec<PathBuf>>,
 }
 
@@ -67,7 +69,7 @@ impl Beside {
     pub fn find_light(&self, file: &Path) -> Result<PathBuf, String> {
         let name = file.to_string_lossy();
         self.find(&self.folder, &name).ok_or_else(|| {
-            let is_outside = self.outside.borrow().iter().any(|known| *known == name);
+            let is_outside = self.outside.borrow().contain(&name);
             match is_outside {
                 true => format!(
                     "{name} lies outside of the scene's folder; copy it there, or give --allow-outside"
@@ -103,27 +105,21 @@ impl Beside {
     pub fn warnings(&self) -> impl Iterator<Item = String> {
         let elsewhere = self.elsewhere.borrow();
         let found = (!elsewhere.is_empty()).then(|| {
-            format!(
-                "found by name beside the scene or in textures/, not where it says: {}",
-                elsewhere.join(", ")
-            )
+            format!("found by name beside the scene or in textures/, not where it says: {}", elsewhere)
         });
         let outside = self.outside.borrow();
         let refused = (!outside.is_empty()).then(|| {
             format!(
                 "not read, for it lies outside of the scene's folder: {}; copy it there, or give --allow-outside",
-                outside.join(", ")
+                outside
             )
         });
         found.into_iter().chain(refused)
     }
 }
 
-fn note(names: &RefCell<Vec<String>>, name: &str) {
-    let mut names = names.borrow_mut();
-    if !names.iter().any(|known| known == name) {
-        names.push(name.to_owned());
-    }
+fn note(names: &RefCell<Names>, name: &str) {
+    names.borrow_mut().add(name);
 }
 
 /// What a relative path leads to from a folder, in whatever letter case its parts are.

@@ -9,7 +9,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::beside::Beside;
-use super::grouped::Grouped;
+use super::grouped::{Grouped, Names};
 use super::picture_file::PictureFiles;
 use super::text::{decode, named};
 use super::{Material, SceneError};
@@ -64,7 +64,7 @@ impl Library {
             warnings.push(format!(
                 "{} not there: {}{taken}",
                 if missing.len() == 1 { "a material library is" } else { "material libraries are" },
-                missing.join(", ")
+                missing.iter().map(String::as_str).collect::<Names>()
             ));
             paths.extend(otherwise);
         }
@@ -95,11 +95,14 @@ impl Library {
 
     /// Names end before a comment, where that leaves each its own.
     fn take_off_comments(&mut self) {
+        let mut times: HashMap<String, usize> = HashMap::new();
+        for material in &self.materials {
+            *times.entry(named(&material.name).to_owned()).or_default() += 1;
+        }
         for place in 0..self.materials.len() {
             let long = self.materials[place].name.clone();
             let short = named(&long);
-            let is_same = |other: &&tobj::Material| named(&other.name) == short;
-            if short != long && !short.is_empty() && self.materials.iter().filter(is_same).count() == 1 {
+            if short != long && !short.is_empty() && times[short] == 1 {
                 self.places.remove(&long);
                 self.places.insert(short.to_owned(), place);
                 short.clone_into(&mut self.materials[place].name);

@@ -1,8 +1,11 @@
 //! Colours of vertices: the reflectance of faces without a material, the mean of their corners'.
 
+use std::collections::HashSet;
+
 use glam::DVec2;
 
 use super::lines::Lines;
+use crate::scene::grouped::Names;
 use crate::scene::{Pixels, SceneParts, Texture};
 
 /// Reflectance of faces that say nothing.
@@ -18,20 +21,22 @@ pub(super) fn paint(lines: &Lines, unknown: &[&str], parts: &mut SceneParts) {
             Some([0, 1, 2].map(|k| (factor * (a[k] + ((b[k] - a[k]) + (c[k] - a[k])) / 3.0)).clamp(0.0, 1.0)))
         }
     });
-    let mut grey = Vec::new();
+    let mut grey = Names::default();
     let mut painted = false;
-    for name in unknown {
-        let Some(material) = parts.materials.iter().position(|material| material.name == *name) else {
+    let mut faces_of: Vec<Vec<usize>> = vec![Vec::new(); parts.materials.len()];
+    parts.faces.iter().enumerate().for_each(|(k, face)| faces_of[face.material as usize].push(k));
+    let unknown: HashSet<&str> = unknown.iter().copied().collect();
+    for (material, faces) in faces_of.into_iter().enumerate() {
+        let name = parts.materials[material].name.clone();
+        if !unknown.contains(name.as_str()) {
             continue;
-        };
-        let of_it = |face: &usize| parts.faces[*face].material as usize == material;
-        let faces: Vec<usize> = (0..parts.faces.len()).filter(of_it).collect();
+        }
         let colours: Vec<Option<[f64; 3]>> = match &colour {
             Some(colour) => faces.iter().map(|&face| colour(&lines.triangles[face])).collect(),
             None => Vec::new(),
         };
         if colours.iter().all(Option::is_none) {
-            grey.push(*name);
+            grey.add(&name);
             continue;
         }
         painted = true;
@@ -60,7 +65,7 @@ pub(super) fn paint(lines: &Lines, unknown: &[&str], parts: &mut SceneParts) {
             .push("faces without a material take the colours of their vertices as reflectance".into());
     }
     if !grey.is_empty() {
-        parts.warnings.push(format!("taken as grey 0.5, for no library defines it: {}", grey.join(", ")));
+        parts.warnings.push(format!("taken as grey 0.5, for no library defines it: {grey}"));
     }
 }
 

@@ -7,7 +7,7 @@
 //!
 //! What makes geometry doubtful is an error; what can be done without is left out, and noticed.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write;
 use std::io::{BufRead, Read};
 use std::path::Path;
@@ -31,8 +31,9 @@ const BENT: f64 = 0.01;
 pub(super) struct Lines {
     /// What the lines say that name material libraries.
     pub libraries: Vec<String>,
-    /// Materials that faces ask for, in the order of their first mention.
+    /// Materials that faces ask for, in the order of their first mention, and the same as a set.
     pub materials: Vec<String>,
+    known_materials: HashSet<String>,
     /// Per triangle the number of its polygon, and the vertices of its corners.
     pub polygons: Vec<u32>,
     pub triangles: Vec<[usize; 3]>,
@@ -141,8 +142,11 @@ impl Lines {
         if name.is_empty() {
             self.noticed.add(Kind::NamelessMaterial, number);
         }
-        let name = if name.is_empty() { NONE } else { name };
-        if !self.materials.iter().any(|known| known == name) {
+        self.use_material(if name.is_empty() { NONE } else { name });
+    }
+
+    fn use_material(&mut self, name: &str) {
+        if self.known_materials.insert(name.to_owned()) {
             self.materials.push(name.to_owned());
         }
         self.faces.extend(["usemtl ", name, "\n"]);
@@ -159,8 +163,7 @@ impl Lines {
             return Ok(());
         }
         if self.materials.is_empty() {
-            self.materials.push(NONE.to_owned());
-            self.faces.extend(["usemtl ", NONE, "\n"]);
+            self.use_material(NONE);
         }
         let places: Vec<usize> = corners.iter().map(|corner| corner[0].unwrap_or(1) - 1).collect();
         for place in &places {

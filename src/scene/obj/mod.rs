@@ -5,6 +5,7 @@ mod lines;
 mod noticed;
 mod polygon;
 
+use std::collections::HashMap;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -112,8 +113,9 @@ pub(super) fn parse(
     let (models, _) = loaded.map_err(|e| unreadable(path, io::Error::other(e)))?;
 
     parts.materials = library.read_materials(beside, &mut parts.warnings);
+    let mut objects = HashMap::new();
     for model in &models {
-        append(model, &mut parts);
+        append(model, &mut objects, &mut parts);
     }
     colours::paint(&lines, &unknown, &mut parts);
     parts.polygons = lines.polygons;
@@ -150,16 +152,13 @@ fn name(path: &Path) -> String {
 }
 
 /// Adds a model's vertices, normals, texture coordinates and triangles.
-fn append(model: &tobj::Model, parts: &mut SceneParts) {
+fn append<'m>(model: &'m tobj::Model, objects: &mut HashMap<&'m str, usize>, parts: &mut SceneParts) {
     let mesh = &model.mesh;
     let Some(material) = mesh.material_id.filter(|_| !mesh.indices.is_empty()) else { return };
-    let object = match parts.objects.iter().position(|name| *name == model.name) {
-        Some(known) => known,
-        None => {
-            parts.objects.push(model.name.clone());
-            parts.objects.len() - 1
-        }
-    };
+    let object = *objects.entry(&model.name).or_insert_with(|| {
+        parts.objects.push(model.name.clone());
+        parts.objects.len() - 1
+    });
     let triples = |v: &[f64]| v.chunks_exact(3).map(DVec3::from_slice).collect::<Vec<_>>();
     let normals = triples(&mesh.normals);
     let is_direction = |n: &u32| normals[*n as usize].try_normalize().is_some();
