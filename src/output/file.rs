@@ -46,7 +46,7 @@ impl Outputs {
         let path = self.folder.join(&name);
         spare(&path, &self.spared)?;
         if self.files.is_empty() {
-            remove_left_over(&self.folder);
+            remove_left_over(&self.folder, &self.spared);
         }
         let written = || {
             // A folder of that name would stop the commit halfway.
@@ -104,33 +104,41 @@ pub fn replace(
 /// # Errors
 /// `Input`.
 pub fn spare(path: &Path, inputs: &[PathBuf]) -> Result<(), OutputError> {
-    let is_path = |input: &PathBuf| match (input.canonicalize(), path.canonicalize()) {
-        (Ok(input), Ok(path)) => input == path,
-        _ => false,
-    };
-    match inputs.iter().any(is_path) {
+    let Ok(whole) = path.canonicalize() else { return Ok(()) };
+    match inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == whole)) {
         true => Err(OutputError::Input { path: path.to_owned() }),
         false => Ok(()),
     }
 }
 
 /// Removes temporary files in a folder that no run holds any more.
-fn remove_left_over(folder: &Path) {
+fn remove_left_over(folder: &Path, spared: &[PathBuf]) {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let is_ours = |entry: &std::fs::DirEntry| {
         let name = entry.file_name();
-        name.to_string_lossy().starts_with(PREFIX) && entry.file_type().is_ok_and(|kind| kind.is_file())
+        let random = name.to_str().and_then(|name| name.strip_prefix(PREFIX));
+        random
+            .is_some_and(|random| random.len() == RANDOM && random.bytes().all(|b| b.is_ascii_alphanumeric()))
+            && entry.metadata().is_ok_and(|known| known.is_file() && is_old(&known))
     };
     for path in entries.filter(is_ours).map(|entry| entry.path()) {
         // A run holds its files locked until they have their names.
-        if File::open(&path).is_ok_and(|file| file.try_lock().is_ok()) {
+        let is_free = File::open(&path).is_ok_and(|file| file.try_lock().is_ok());
+        if is_free && spare(&path, spared).is_ok() {
             let _ = std::fs::remove_file(path);
         }
     }
 }
 
-/// How names of temporary files begin.
+/// Whether a file has been there for longer than it takes to lock it.
+fn is_old(file: &std::fs::Metadata) -> bool {
+    const LOCKED: std::time::Duration = std::time::Duration::from_millis(100);
+    file.modified().is_ok_and(|changed| changed.elapsed().is_ok_and(|age| age > LOCKED))
+}
+
+/// How names of temporary files begin, and how many letters follow.
 const PREFIX: &str = ".radiosity-";
+const RANDOM: usize = 6;
 
 fn fill(file: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut writer = BufWriter::with_capacity(1 << 16, file);
@@ -140,7 +148,7 @@ fn fill(file: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) 
 
 fn temporary_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(PREFIX);
+    builder.prefix(PREFIX).rand_bytes(RANDOM);
     // The permissions of any new file: everyone's, less the umask.
     #[cfg(unix)]
     let ordinary = <std::fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666);

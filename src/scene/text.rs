@@ -25,7 +25,8 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut rest = (1..).zip(text.lines());
     std::iter::from_fn(move || {
         let (number, line) = rest.next()?;
-        let Some(begun) = line.trim_end().strip_suffix('\\') else { return Some((number, line.into())) };
+        let begun = line.trim_end().strip_suffix('\\').filter(|line| !line.trim_start().starts_with('#'));
+        let Some(begun) = begun else { return Some((number, line.into())) };
         let mut whole = begun.to_owned();
         for (_, line) in rest.by_ref() {
             whole.push(' ');
@@ -91,9 +92,10 @@ mod tests {
 
     #[test]
     fn lines_go_on_after_a_backslash() {
-        let text = "f 1 2 \\\n 3 \\ \r\n4\nv 1\\\nend\\";
+        let text = "f 1 2 \\\n 3 \\ \r\n4\nv 1\\\nend\\\n\n# C:\\\nv 2";
         let found: Vec<(usize, String)> = lines(text).map(|(k, line)| (k, line.into_owned())).collect();
-        assert_eq!(found, [(1, "f 1 2   3  4".into()), (4, "v 1 end".into())]);
+        let wanted = [(1, "f 1 2   3  4"), (4, "v 1 end "), (7, "# C:\\"), (8, "v 2")];
+        assert_eq!(found, wanted.map(|(k, line)| (k, line.to_owned())));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::edges::Edges;
 use super::{Grade, lamps};
-use crate::scene::{Scene, Side};
+use crate::scene::{Light, Scene, Side};
 use crate::trace::sampling::{self, Sequence, Stream};
 use crate::trace::{Ray, Tracer};
 
@@ -45,7 +45,12 @@ pub fn odd_placement(tracer: &Tracer, seed: u64) -> Vec<String> {
         let Some(position) = light.position() else { continue };
         let sequence = Stream::Placement.sequence(seed, number, 0);
         let sends = |direction: &DVec3| light.share_towards(*direction) > 0.0;
-        let all = (0..8 * LOOKS).map(|k| anywhere(sequence, k)).filter(sends);
+        // However narrow a beam is, it has an axis.
+        let axis = match light {
+            Light::Spot { direction, .. } | Light::Ies { direction, .. } => Some(*direction),
+            Light::Point { .. } | Light::Sun { .. } => None,
+        };
+        let all = axis.into_iter().chain((0..8 * LOOKS).map(|k| anywhere(sequence, k))).filter(sends);
         odd.extend(said(&format!("light {number}"), look(tracer, position, all.take(LOOKS as usize))));
     }
     for (number, receiver) in (0..).zip(scene.receivers()) {
@@ -92,7 +97,11 @@ fn look(tracer: &Tracer, place: DVec3, directions: impl Iterator<Item = DVec3>) 
         directions.map(|direction| tracer.closest_hit(&Ray { origin, direction, from: Ray::FREE })).collect();
     // Under an open sky there is light to be had where no surface is.
     if hits.iter().all(Option::is_none) {
-        return if scene.sky().is_some() { Surroundings::Scene } else { Surroundings::Nothing };
+        return if scene.sky().is_some() || hits.is_empty() {
+            Surroundings::Scene
+        } else {
+            Surroundings::Nothing
+        };
     }
     let objects = hits.iter().map(|hit| {
         let hit = hit.filter(|hit| hit.side == Side::Back && scene.is_diffuse(hit.face as usize))?;

@@ -17,7 +17,7 @@ pub(super) fn looks_like(text: &str) -> bool {
 }
 
 /// Reads a text.
-pub(super) fn parse(text: &str) -> Result<IntensityTable, (usize, String)> {
+pub(super) fn parse(text: &str, warnings: &mut Vec<String>) -> Result<IntensityTable, (usize, String)> {
     let values = Values(text.lines().collect());
     let planes = values.count(3, "the number of C-planes")?;
     let angles = values.count(5, "the number of angles in each plane")?;
@@ -31,15 +31,20 @@ pub(super) fn parse(text: &str) -> Result<IntensityTable, (usize, String)> {
     let sets = values.count(25, "the number of sets of lamps")?;
     let mut lumens = 0.0;
     for set in 0..sets {
-        let first = HEAD + PER_SET * set;
-        // Fewer lamps than none: the table is in candelas.
-        let is_absolute = values.at(first, "the number of lamps")? < 0.0;
-        let flux = values.at(first + 2, "the flux of the lamps")?;
-        lumens += if is_absolute { 1000.0 } else { flux };
+        // With fewer lamps than none it is the flux of the luminaire; intensities are by it all the same.
+        lumens += values.at(HEAD + PER_SET * set + 2, "the flux of the lamps")?;
+    }
+    if sets > 1 {
+        warnings.push(format!("{sets} sets of lamps are taken to shine together; if they stand for one another, give luminous_flux"));
     }
     let first = HEAD + PER_SET * sets + RATIOS;
     let (horizontal, line) = values.angles(first, planes, "C-plane")?;
     let (vertical, line) = values.angles(line, angles, "angle")?;
+    let is_range = |angles: &[f64], most: f64| angles[0] >= 0.0 && angles[angles.len() - 1] <= most;
+    if !(is_range(&horizontal, 360.0) && is_range(&vertical, 180.0) && vertical.len() > 1) {
+        let message = "C-planes must lie between 0 and 360, and two or more angles in them between 0 and 180";
+        return Err((line, message.into()));
+    }
     let (rows, symmetry, horizontal) =
         rows(values.at(2, "the kind of symmetry")?, horizontal).map_err(|message| (3, message))?;
     let factor = factor * lumens / 1000.0;

@@ -63,7 +63,7 @@ impl IntensityTable {
     /// What is wrong and what to do, with the line from 1.
     pub fn parse(text: &str, warnings: &mut Vec<String>) -> Result<Self, (usize, String)> {
         match lm63::tilt(text) {
-            None if eulumdat::looks_like(text) => eulumdat::parse(text),
+            None if eulumdat::looks_like(text) => eulumdat::parse(text, warnings),
             tilt => lm63::parse(text, tilt, warnings),
         }
     }

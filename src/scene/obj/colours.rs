@@ -21,8 +21,7 @@ pub(super) fn paint(lines: &Lines, unknown: &[&str], parts: &mut SceneParts) {
             Some([0, 1, 2].map(|k| (factor * (a[k] + ((b[k] - a[k]) + (c[k] - a[k])) / 3.0)).clamp(0.0, 1.0)))
         }
     });
-    let mut grey = Names::default();
-    let mut painted = false;
+    let [mut grey, mut painted] = [Names::default(), Names::default()];
     let mut faces_of: Vec<Vec<usize>> = vec![Vec::new(); parts.materials.len()];
     parts.faces.iter().enumerate().for_each(|(k, face)| faces_of[face.material as usize].push(k));
     let unknown: HashSet<&str> = unknown.iter().copied().collect();
@@ -39,7 +38,7 @@ pub(super) fn paint(lines: &Lines, unknown: &[&str], parts: &mut SceneParts) {
             grey.add(&name);
             continue;
         }
-        painted = true;
+        painted.add(&name);
         let colours: Vec<[f64; 3]> = colours.into_iter().map(|colour| colour.unwrap_or(GREY)).collect();
         let material = &mut parts.materials[material];
         if colours.iter().all(|colour| *colour == colours[0]) {
@@ -59,10 +58,10 @@ pub(super) fn paint(lines: &Lines, unknown: &[&str], parts: &mut SceneParts) {
             parts.texture_coordinates[face] = Some([DVec2::new(u, v); 3]);
         }
     }
-    if painted {
-        parts
-            .warnings
-            .push("faces without a material take the colours of their vertices as reflectance".into());
+    if !painted.is_empty() {
+        parts.warnings.push(format!(
+            "no library defines {painted}: the faces take the colours of their vertices as reflectance, or grey 0.5 without"
+        ));
     }
     if !grey.is_empty() {
         parts.warnings.push(format!("taken as grey 0.5, for no library defines it: {grey}"));

@@ -21,7 +21,7 @@ use crate::scene::text::{lines, named, numbers, split, uncommented};
 use crate::scene::{FARTHEST, FARTHEST_ON_PICTURE, SceneError, is_near};
 
 /// A face of more corners than this is refused.
-const MOST_CORNERS: usize = 1 << 20;
+const MOST_CORNERS: usize = 1 << 17;
 
 /// Corners of a polygon that are farther than this from a plane, as a share of its extent, are spoken of.
 const BENT: f64 = 0.01;
@@ -29,8 +29,9 @@ const BENT: f64 = 0.01;
 /// An OBJ text whose every line makes sense.
 #[derive(Default)]
 pub(super) struct Lines {
-    /// What the lines say that name material libraries.
+    /// What the lines say that name material libraries, each once, and the same as a set.
     pub libraries: Vec<String>,
+    known_libraries: HashSet<String>,
     /// Materials that faces ask for, in the order of their first mention, and the same as a set.
     pub materials: Vec<String>,
     known_materials: HashSet<String>,
@@ -125,7 +126,7 @@ impl Lines {
         match key {
             "f" | "fo" => self.take_face(number, rest)?,
             "o" | "g" => self.faces.extend([key, " ", named(rest), "\n"]),
-            "mtllib" => self.libraries.push(rest.to_owned()),
+            "mtllib" if self.known_libraries.insert(rest.to_owned()) => self.libraries.push(rest.to_owned()),
             "usemtl" => self.take_material(number, rest),
             _ => self.count(key),
         }

@@ -20,15 +20,19 @@ use lines::Lines;
 /// Reads `path`, the libraries it names and the `.toml` beside it.
 pub(super) fn load(path: &Path, options: Loading) -> Result<Scene, SceneError> {
     let text = read_text(path).map_err(|e| unreadable(path, e))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let beside = Beside::new(folder, options.allow_outside);
     let toml = settings_path(path);
+    if toml.exists() && !beside.allows(&toml) {
+        let outside = "it lies outside of the scene's folder; copy it there, or give --allow-outside";
+        return Err(unreadable(&toml, io::Error::other(outside)));
+    }
     let settings = match read_text(&toml) {
         Ok(text) => Some((toml.as_path(), text)),
         Err(e) if e.kind() == io::ErrorKind::NotFound && !toml.is_symlink() => None,
         Err(e) => return Err(unreadable(&toml, e)),
     };
-    let folder = path.parent().unwrap_or(Path::new(""));
     let other = settings.is_none().then(|| settings_of_another_name(path, folder)).flatten();
-    let beside = Beside::new(folder, options.allow_outside);
     parse((path, &text), settings, &beside, |library, named, warnings| {
         warnings.extend(other);
         library.read(named, &name(path), &beside, warnings)

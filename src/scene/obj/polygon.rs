@@ -7,6 +7,7 @@
 //! around nothing.
 
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use spade::handles::{FixedVertexHandle, OUTER_FACE};
@@ -44,7 +45,7 @@ pub(super) fn divide(corners: &[DVec3]) -> Divided {
         Divided { triangles: triangles.unwrap_or_else(fan), bend, crosses }
     };
     let parts = (2..corners.len()).map(|k| flat.signed([0, k - 1, k]));
-    if parts.clone().all(|part| part >= -ROUNDING * area) {
+    if parts.clone().all(|part| part >= -ROUNDING * area) && flat.turn_around_first() <= TAU + ROUNDING {
         return crosses_or(Some(fan()));
     }
     if !(area > 0.0 && parts.map(f64::abs).sum::<f64>().is_finite()) {
@@ -91,6 +92,13 @@ impl Flat {
     /// Twice the area that the border winds around.
     fn area(&self) -> f64 {
         (2..self.0.len()).map(|k| self.signed([0, k - 1, k])).sum()
+    }
+
+    /// The angle by which the border turns around the first corner.
+    fn turn_around_first(&self) -> f64 {
+        let from = |k: usize| self.0[k] - self.0[0];
+        let angle = |k: usize| from(k - 1).perp_dot(from(k)).atan2(from(k - 1).dot(from(k)));
+        (2..self.0.len()).map(angle).sum()
     }
 
     /// Triangles of all that the border winds around; none if it crosses itself.
@@ -157,8 +165,6 @@ impl Flat {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::TAU;
-
     use super::*;
 
     fn level(corners: &[[f64; 2]]) -> Vec<DVec3> {
@@ -275,6 +281,10 @@ mod tests {
         assert!(divide(&bow).crosses);
         let star: Vec<DVec3> = (0..5).map(|k| on_circle(f64::from(2 * k) / 5.0)).collect();
         assert!(divide(&star).crosses);
+        // Twice around its first corner, farther and farther.
+        let spiral = (0..17).map(|k| on_circle(f64::from(k) / 8.0) * (1.0 + 0.1 * f64::from(k)));
+        let spiral: Vec<DVec3> = std::iter::once(DVec3::ZERO).chain(spiral).collect();
+        assert!(divide(&spiral).crosses);
     }
 
     #[test]
