@@ -118,8 +118,8 @@ pub(super) enum SkySettings {
 }
 
 impl LightSettings {
-    /// The light in metres and watts; `unit` in metres, `efficacy` in lm/W; `up` is a unit vector. Photometric files lie
-    /// beside the scene.
+    /// The light in metres and watts; `unit` in metres, `efficacy` in lm/W; `up` is a unit vector. Photometric
+    /// files lie beside the scene.
     pub fn light(
         &self,
         (unit, efficacy): (f64, f64),

@@ -40,6 +40,15 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
+/// What is said of more lines like one.
+pub(super) fn and_more(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        1 => " (and 1 more such line)".into(),
+        count => format!(" (and {count} more such lines)"),
+    }
+}
+
 /// The first word of a line, and the rest without space around it.
 pub(super) fn split(line: &str) -> (&str, &str) {
     let line = line.trim();

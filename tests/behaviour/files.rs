@@ -302,7 +302,7 @@ fn a_missing_library_is_done_without() {
 
 #[test]
 fn a_library_of_the_scene_s_name_stands_in_for_one_that_is_missing() {
-    for lines in ["mtllib none.mtl\n", "mtllib C:\\Users\\me\\none.mtl\n", "mtllib \"no ne.mtl\"\n"] {
+    for lines in ["mtllib none.mtl\n", "mtllib D:\\maps\\none.mtl\n", "mtllib \"no ne.mtl\"\n"] {
         let scene = loaded(&[("a.obj", TRIANGLE.replace("mtllib a.mtl\n", lines)), ("a.mtl", LAMP.into())]);
         says(&scene.warnings()[0], &["not there", "a.mtl is read"]);
         assert_eq!(scene.material_of(0).emission, [1.0]);

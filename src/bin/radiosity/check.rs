@@ -15,7 +15,8 @@ const RAYS: u32 = 128;
 
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// OBJ file, or - for standard input; a .toml beside it may set camera, unit and materials [default: the built-in Cornell box]
+    /// OBJ file, or - for standard input; a .toml beside it may set camera, unit and materials [default: the
+    /// built-in Cornell box]
     scene: Option<PathBuf>,
 
     /// Also read libraries, pictures and photometric files that lie outside of the scene's folder

@@ -34,8 +34,9 @@ enum Surroundings {
 pub fn odd_placement(tracer: &Tracer, seed: u64) -> Vec<String> {
     let scene = tracer.scene();
     let mut odd = Vec::new();
-    let astray = lamps::lamps(&Edges::new(tracer), tracer, seed);
-    if astray.verdict == Grade::Bad
+    let has_lamps = (0..scene.faces().len()).any(|face| scene.material_of(face).emits());
+    let astray = has_lamps.then(|| lamps::lamps(&Edges::new(tracer), tracer, seed));
+    if let Some(astray) = astray.filter(|found| found.verdict == Grade::Bad)
         && let Some(remedy) = &astray.remedy
     {
         let faces: Vec<String> = astray.faces.iter().map(usize::to_string).collect();

@@ -1,6 +1,7 @@
 //! EULUMDAT: photometric files of Europe (`.ldt`), one value a line.
 
-use super::{IntensityTable, MOST_ANGLES, Symmetry};
+use super::numbers::{as_count, ascending};
+use super::{IntensityTable, Symmetry};
 use crate::scene::LARGEST;
 
 /// Lines before those of the lamps.
@@ -137,28 +138,12 @@ impl Values<'_> {
     }
 
     fn count(&self, line: usize, what: &str) -> Result<usize, (usize, String)> {
-        match self.at(line, what)? {
-            x if x >= 1.0 && x <= MOST_ANGLES as f64 && x.fract() == 0.0 => Ok(x as usize),
-            x => {
-                Err((line + 1, format!("{what} is {x}, and must be a whole number from 1 to {MOST_ANGLES}")))
-            }
-        }
+        as_count(self.at(line, what)?, what).map_err(|message| (line + 1, message))
     }
 
     /// Ascending angles from a line on, and the line after them.
     fn angles(&self, first: usize, count: usize, what: &str) -> Result<(Vec<f64>, usize), (usize, String)> {
-        let mut angles: Vec<f64> = Vec::with_capacity(count);
-        for k in 0..count {
-            let angle = self.at(first + k, &format!("{what} {} of {count}", k + 1))?;
-            if angles.last().is_some_and(|&last| angle <= last) {
-                let message = format!(
-                    "{what} {} of {count} is {angle}, and must be more than the one before it",
-                    k + 1
-                );
-                return Err((first + k + 1, message));
-            }
-            angles.push(angle);
-        }
+        let angles = ascending(count, what, |k, what| Ok((first + k + 1, self.at(first + k, what)?)))?;
         Ok((angles, first + count))
     }
 }

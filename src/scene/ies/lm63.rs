@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::numbers::Numbers;
-use super::{IntensityTable, MOST_ANGLES, Symmetry};
+use super::{IntensityTable, Symmetry};
 
 /// Metres per foot.
 const FOOT: f64 = 0.3048;
@@ -45,8 +45,8 @@ pub(super) fn parse(
         numbers.next(what)?;
     }
     let multiplier = numbers.positive("the multiplier of candelas")?;
-    let vertical = numbers.count("the number of vertical angles", MOST_ANGLES)?;
-    let horizontal = numbers.count("the number of horizontal angles", MOST_ANGLES)?;
+    let vertical = numbers.count("the number of vertical angles")?;
+    let horizontal = numbers.count("the number of horizontal angles")?;
     let kind = match numbers.next("the type of photometry")? {
         1.0 => Kind::C,
         2.0 => Kind::B,
@@ -85,12 +85,7 @@ pub(super) fn parse(
     let count = vertical.len() * horizontal.len();
     let mut candela = Vec::with_capacity(count);
     for k in 0..count {
-        let value = numbers.next(&format!("candela value {} of {count}", k + 1))?;
-        if value < 0.0 {
-            return Err(numbers
-                .wrong(&format!("candela value {} of {count} is {value}, and must not be negative", k + 1)));
-        }
-        candela.push(value * factor);
+        candela.push(numbers.not_negative(&format!("candela value {} of {count}", k + 1))? * factor);
     }
     let candela = numbers.sound(candela)?;
     numbers.end(&format!("the {count} candelas of {} by {} angles", vertical.len(), horizontal.len()))?;
@@ -104,16 +99,11 @@ pub(super) fn parse(
 /// Angles of tilt and what is sent then.
 fn tilt_factors(numbers: &mut Numbers) -> Result<Vec<[f64; 2]>, (usize, String)> {
     numbers.next("the lamp's position (TILT=INCLUDE)")?;
-    let count = numbers.count("the number of tilt angles", MOST_ANGLES)?;
+    let count = numbers.count("the number of tilt angles")?;
     let angles = numbers.angles(count, "tilt")?;
     let mut factors = Vec::with_capacity(count);
     for k in 0..count {
-        let factor = numbers.next(&format!("tilt factor {} of {count}", k + 1))?;
-        if factor < 0.0 {
-            return Err(numbers
-                .wrong(&format!("tilt factor {} of {count} is {factor}, and must not be negative", k + 1)));
-        }
-        factors.push(factor);
+        factors.push(numbers.not_negative(&format!("tilt factor {} of {count}", k + 1))?);
     }
     Ok(angles.into_iter().zip(factors).map(|(angle, factor)| [angle, factor]).collect())
 }

@@ -1,5 +1,6 @@
 //! Numbers: those of a photometric file, each with its line.
 
+use super::MOST_ANGLES;
 use crate::scene::LARGEST;
 
 /// The numbers of a file that follow a line, apart by spaces and commas.
@@ -44,27 +45,23 @@ impl<'a> Numbers<'a> {
         }
     }
 
-    pub fn count(&mut self, what: &str, most: usize) -> Result<usize, (usize, String)> {
+    pub fn not_negative(&mut self, what: &str) -> Result<f64, (usize, String)> {
         match self.next(what)? {
-            x if x >= 1.0 && x <= most as f64 && x.fract() == 0.0 => Ok(x as usize),
-            x => Err(self.wrong(&format!("{what} is {x}, and must be a whole number from 1 to {most}"))),
+            x if x < 0.0 => Err(self.wrong(&format!("{what} is {x}, and must not be negative"))),
+            x => Ok(x),
         }
     }
 
+    pub fn count(&mut self, what: &str) -> Result<usize, (usize, String)> {
+        let x = self.next(what)?;
+        as_count(x, what).map_err(|message| self.wrong(&message))
+    }
+
     pub fn angles(&mut self, count: usize, which: &str) -> Result<Vec<f64>, (usize, String)> {
-        let mut angles: Vec<f64> = Vec::with_capacity(count);
-        for k in 0..count {
-            let angle = self.next(&format!("{which} angle {} of {count}", k + 1))?;
-            if angles.last().is_some_and(|&last| angle <= last) {
-                let message = format!(
-                    "{which} angle {} of {count} is {angle}, and must be more than the one before it",
-                    k + 1
-                );
-                return Err(self.wrong(&message));
-            }
-            angles.push(angle);
-        }
-        Ok(angles)
+        ascending(count, &format!("{which} angle"), |_, what| {
+            let angle = self.next(what)?;
+            Ok((self.line, angle))
+        })
     }
 
     /// Candelas, if factors have not made them too large.
@@ -90,4 +87,31 @@ impl<'a> Numbers<'a> {
             )),
         }
     }
+}
+
+/// A number of angles.
+pub(super) fn as_count(x: f64, what: &str) -> Result<usize, String> {
+    match x {
+        x if x >= 1.0 && x <= MOST_ANGLES as f64 && x.fract() == 0.0 => Ok(x as usize),
+        x => Err(format!("{what} is {x}, and must be a whole number from 1 to {MOST_ANGLES}")),
+    }
+}
+
+/// So many numbers, each more than the one before it; `next` reads the k-th under a name for messages, and
+/// tells its line.
+pub(super) fn ascending(
+    count: usize,
+    which: &str,
+    mut next: impl FnMut(usize, &str) -> Result<(usize, f64), (usize, String)>,
+) -> Result<Vec<f64>, (usize, String)> {
+    let mut numbers: Vec<f64> = Vec::with_capacity(count);
+    for k in 0..count {
+        let what = format!("{which} {} of {count}", k + 1);
+        let (line, x) = next(k, &what)?;
+        if numbers.last().is_some_and(|&last| x <= last) {
+            return Err((line, format!("{what} is {x}, and must be more than the one before it")));
+        }
+        numbers.push(x);
+    }
+    Ok(numbers)
 }

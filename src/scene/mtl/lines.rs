@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use crate::scene::text::{lines, numbers, split};
+use crate::scene::text::{and_more, lines, numbers, split};
 use crate::scene::{FARTHEST_ON_PICTURE, LARGEST, SceneError};
 
 /// A library's text for `tobj`, and what is to be said of lines that were left out.
@@ -26,11 +26,7 @@ pub(super) fn plain(path: &Path, text: &str) -> Result<(String, Option<String>),
         }
     }
     let said = left_out.first().map(|(line, message)| {
-        let more = match left_out.len() - 1 {
-            0 => String::new(),
-            1 => " (and 1 more such line)".into(),
-            more => format!(" (and {more} more such lines)"),
-        };
+        let more = and_more(left_out.len() - 1);
         format!("{}:{line}: {message}; the line is left out{more}", path.display())
     });
     Ok((plain, said))

@@ -17,7 +17,7 @@ use glam::DVec3;
 use super::noticed::{Kind, Noticed};
 use super::polygon::{Divided, divide};
 use crate::scene::mtl::NONE;
-use crate::scene::text::{lines, named, numbers, split, uncommented};
+use crate::scene::text::{and_more, lines, named, numbers, split, uncommented};
 use crate::scene::{FARTHEST, FARTHEST_ON_PICTURE, SceneError, is_near};
 
 /// A face of more corners than this is refused.
@@ -79,10 +79,8 @@ impl Lines {
         let more = refused.len().saturating_sub(1);
         match refused.into_iter().next() {
             None => Ok(taken),
-            Some((line, mut message)) => {
-                if more > 0 {
-                    let _ = write!(message, " (and {more} more such lines)");
-                }
+            Some((line, message)) => {
+                let message = message + &and_more(more);
                 Err(SceneError::Parse { path: path.to_path_buf(), line, message })
             }
         }
