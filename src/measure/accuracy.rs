@@ -182,7 +182,7 @@ pub fn reach<'s>(
     let ladder = (0..RUNGS).map(|k| Rung { asked: asked(k), patches: asked(k), known: false }).collect();
     let mut search = Search {
         tracer,
-        cutter: Cutter::new(tracer),
+        cutter: Cutter::new(tracer)?,
         goal,
         tessellation,
         trace,

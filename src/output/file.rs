@@ -197,6 +197,32 @@ mod tests {
     }
 
     #[test]
+    fn what_a_killed_run_left_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let others = [".radiosity-notes", ".radiosity-a.b.cd", ".radiosity-", "radiosity-abc123"];
+        for name in others.iter().chain(&[".radiosity-abc123", ".radiosity-spared", ".radiosity-held00"]) {
+            fs::write(path(name), "x").unwrap();
+        }
+        fs::create_dir(path(".radiosity-folder")).unwrap();
+        let held = File::open(path(".radiosity-held00")).unwrap();
+        held.try_lock().unwrap();
+        let spared = [path(".radiosity-spared")];
+        remove_left_over(folder.path(), &spared);
+        assert!(path(".radiosity-abc123").exists(), "it may be locked any moment");
+        let hour_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
+        for entry in fs::read_dir(folder.path()).unwrap().flatten().filter(|entry| entry.path().is_file()) {
+            File::options().write(true).open(entry.path()).unwrap().set_modified(hour_ago).unwrap();
+        }
+        remove_left_over(folder.path(), &spared);
+        let mut left = names(folder.path());
+        left.sort();
+        let mut wanted = [&others[..], &[".radiosity-spared", ".radiosity-held00", ".radiosity-folder"]].concat();
+        wanted.sort_unstable();
+        assert_eq!(left, wanted);
+    }
+
+    #[test]
     fn files_change_together_or_not_at_all() {
         let folder = tempfile::tempdir().unwrap();
         fs::create_dir(folder.path().join("folder")).unwrap();

@@ -53,7 +53,7 @@ impl<'t> Contacts<'t> {
     /// The lines along which other faces pass through a face, the longest first: one space ends there and
     /// another begins.
     pub fn crossings_on(&self, face: usize, flat: &Flat) -> Vec<[DVec2; 2]> {
-        let others = self.faces_in(box_around(self.tracer.corners(face), PAD)).into_iter();
+        let others = self.faces_in(box_around(self.tracer.corners(face), PAD), usize::MAX).into_iter();
         let crossing = |other: usize| {
             let ends = crossing(&self.tracer.corners(other).map(|p| flat.place(p)))?;
             flat.clip(ends)
@@ -72,10 +72,8 @@ impl<'t> Contacts<'t> {
             let ends = flat.clip(ends).filter(|[p, q]| touches || p.distance(*q) > shortest);
             lines.extend(ends.filter(|_| counts()).map(|ends| Line { ends, touches }));
         };
-        for other in self.faces_in(box_around(self.tracer.corners(face), PAD + near)) {
-            if other == face {
-                continue;
-            }
+        let others = self.faces_in(box_around(self.tracer.corners(face), PAD + near), usize::MAX);
+        for other in others.into_iter().filter(|&other| other != face) {
             let at = self.tracer.corners(other).map(|p| flat.place(p));
             for k in 0..3 {
                 let ends = [at[k], at[(k + 1) % 3]];
@@ -87,6 +85,11 @@ impl<'t> Contacts<'t> {
             }
         }
         lines
+    }
+
+    /// How many faces are at most `near` (normalised) from a face; counted up to about `most`.
+    pub fn count_near(&self, face: usize, near: f64, most: usize) -> usize {
+        self.faces_in(box_around(self.tracer.corners(face), PAD + near), most).len()
     }
 
     /// Whether a face is a lamp that is turned to the plane. From near by it is all that a patch below it
@@ -121,7 +124,7 @@ impl<'t> Contacts<'t> {
         };
         let same = |a: DVec3, b: DVec3| a.distance_squared(b) <= TOUCH * TOUCH;
         let middle = [ends[0].midpoint(ends[1]); 3];
-        !self.faces_in(box_around(&middle, PAD)).into_iter().filter(|&other| other != face).any(|other| {
+        !self.faces_in(box_around(&middle, PAD), usize::MAX).into_iter().filter(|&other| other != face).any(|other| {
             let others = self.tracer.corners(other);
             let shared = ends.iter().all(|&end| others.iter().any(|&corner| same(corner, end)));
             let third = others.iter().find(|&&corner| !ends.iter().any(|&end| same(corner, end)));
@@ -129,14 +132,14 @@ impl<'t> Contacts<'t> {
         })
     }
 
-    /// The faces whose boxes meet this one, ascending.
-    fn faces_in(&self, within: Aabb) -> Vec<usize> {
+    /// The faces whose boxes meet this one, ascending; about `most` of them at most.
+    fn faces_in(&self, within: Aabb, most: usize) -> Vec<usize> {
         let mut found = Vec::new();
         self.tree.aabb_traverse(within, |tree, node| {
             let node = &tree.nodes[node as usize];
             let (first, count) = (node.first_index as usize, node.prim_count as usize);
             found.extend(self.faces[first..first + count].iter().map(|&face| face as usize));
-            true
+            found.len() < most
         });
         found.sort_unstable();
         found

@@ -18,8 +18,11 @@ pub struct Cutter<'t, 's> {
 
 impl<'t, 's> Cutter<'t, 's> {
     /// Makes one for the tracer's scene.
-    pub fn new(tracer: &'t Tracer<'s>) -> Self {
-        Self { tracer, parting: Parting::new(tracer) }
+    ///
+    /// # Errors
+    /// `TooManyOverlaps`.
+    pub fn new(tracer: &'t Tracer<'s>) -> Result<Self, PatchError> {
+        Ok(Self { tracer, parting: Parting::new(tracer)? })
     }
 
     /// Cuts the scene and finds the sides that light reaches.
@@ -120,7 +123,7 @@ mod tests {
     fn a_cut_of_another_size_has_about_as_many_patches_as_expected() {
         let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/corridor.obj")).unwrap();
         let tracer = Tracer::new(&scene);
-        let mut cutter = Cutter::new(&tracer);
+        let mut cutter = Cutter::new(&tracer).unwrap();
         let coarse = cut(&mut cutter, 300);
         for count in [1000, 3000, 9000] {
             let expected = cutter.expected(&coarse, count) as f64;
@@ -135,7 +138,7 @@ mod tests {
         for name in ["tests/data/gallery.obj", "meshes/two_rooms.obj", "meshes/furnished_room.obj"] {
             let scene = Scene::load(format!("{}/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
             let tracer = Tracer::new(&scene);
-            let mut cutter = Cutter::new(&tracer);
+            let mut cutter = Cutter::new(&tracer).unwrap();
             let coarse = cut(&mut cutter, 3000);
             let resized = cutter.resize(&coarse, 8000, &Tessellation::default()).unwrap();
             let edge = PatchSize::Edge(resized.edge());

@@ -105,6 +105,16 @@ pub enum PatchError {
         /// How many there may be.
         most: u64,
     },
+    /// Faces lie on each other in such numbers that which is on top is not worked out.
+    #[error(
+        "too many faces lie on one another in one plane to say which is on top, face {face} of object {object:?} among them; remove copies of faces, then try again"
+    )]
+    TooManyOverlaps {
+        /// One of the faces.
+        face: usize,
+        /// Its object.
+        object: String,
+    },
     /// The observer asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -166,9 +176,9 @@ impl<'s> Patches<'s> {
     /// Cuts the scene and finds the sides that light reaches.
     ///
     /// # Errors
-    /// `Size`, `TooMany` or `Cancelled`.
+    /// `Size`, `TooMany`, `TooManyOverlaps` or `Cancelled`.
     pub fn new(tracer: &Tracer<'s>, options: &Tessellation) -> Result<Self, PatchError> {
-        Cutter::new(tracer).cut(options)
+        Cutter::new(tracer)?.cut(options)
     }
 
     /// Cuts every face for legs up to `edge` (normalised); no slot is a patch yet.
@@ -230,7 +240,7 @@ impl<'s> Patches<'s> {
         if !(edge.is_finite() && edge > 0.0) {
             return Err(PatchError::Size(format!("{edge}")));
         }
-        let mut patches = Self::cut(tracer, edge, &mut Parting::new(tracer), options)?;
+        let mut patches = Self::cut(tracer, edge, &mut Parting::new(tracer)?, options)?;
         match slots {
             // Of a file: what the cut does not have is no patch.
             Some(slots) => {

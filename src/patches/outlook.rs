@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::PatchSize;
+use super::{PatchError, PatchSize};
 use super::parts::{Part, Parting};
 use super::size::edge_for;
 use super::subdivide::cells_for;
@@ -44,9 +44,12 @@ pub struct Stretch {
 
 impl Outlook {
     /// Cuts by arithmetic.
-    pub fn new(tracer: &Tracer, size: PatchSize) -> Self {
+    ///
+    /// # Errors
+    /// `TooManyOverlaps`.
+    pub fn new(tracer: &Tracer, size: PatchSize) -> Result<Self, PatchError> {
         let (sides, through) = likely_sides(tracer);
-        let mut parting = Parting::new(tracer);
+        let mut parting = Parting::new(tracer)?;
         let edge = match size {
             PatchSize::Edge(metres) => metres / tracer.frame().scale(),
             PatchSize::Count(count) => edge_for(tracer, count.max(1), &mut parting, |face| sides[face]).0,
@@ -66,13 +69,13 @@ impl Outlook {
         stretches.iter().for_each(|stretch| cells[stretch.face] += stretch.cells);
         let patches_of = sides.iter().zip(&cells).map(|(sides, cells)| sides.map(|side| side * cells));
         let carriers = (0..sides.len()).map(|face| [f64::from(u8::from(tracer.is_carrier(face as u32))); 2]);
-        Self {
+        Ok(Self {
             patches_of: patches_of.collect(),
             stretches,
             carriers: carriers.collect(),
             through_sheets: through.into_iter().map(|face| cells[face]).sum(),
             slots: 2.0 * cells.iter().sum::<f64>(),
-        }
+        })
     }
 
     /// Patches in all.

@@ -18,6 +18,7 @@ use rayon::prelude::*;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use super::contacts::{Contacts, Flat, Line};
+use super::PatchError;
 use super::subdivide::cells_for;
 use crate::scene::Side;
 use crate::trace::Tracer;
@@ -36,6 +37,17 @@ const MOST_LINES: usize = 512;
 
 /// Edges of outlines on one face, at most; beyond that the centre of a patch decides whether it is covered.
 const MOST_OUTLINES: usize = 8192;
+
+/// What all faces together may have, first for the scene and then as many more for each face: neighbours that
+/// may cast shadows on them, and lines. No room comes near; but where every face lies before every other or
+/// passes through it, work would grow with the square of their number or faster, and no cut could follow.
+const NEIGHBOURS: [usize; 2] = [1 << 22, 64];
+const LINES: [usize; 2] = [1 << 18, 16];
+
+/// How often lines may cross each other, all faces together, and on one face at least and at most: a line that
+/// would cross more is left out.
+const MOST_CROSSINGS: usize = 1 << 19;
+const MOST_CROSSINGS_ON_FACE: [usize; 2] = [64, 4096];
 
 /// Triangles of less than this share of their face are rounding, no parts.
 const DUST: f64 = 1e-13;
@@ -106,10 +118,17 @@ pub(super) struct Parting<'t> {
 }
 
 impl<'t> Parting<'t> {
-    pub fn new(tracer: &'t Tracer<'t>) -> Self {
+    /// # Errors
+    /// `TooManyOverlaps`.
+    pub fn new(tracer: &'t Tracer<'t>) -> Result<Self, PatchError> {
+        if let Some(face) = tracer.face_of_too_many_overlaps() {
+            let scene = tracer.scene();
+            let object = scene.objects()[scene.faces()[face].object as usize].clone();
+            return Err(PatchError::TooManyOverlaps { face, object });
+        }
         let contacts = Contacts::new(tracer);
         let exact = exact_lines(tracer, &contacts);
-        Self { tracer, contacts, exact, known: HashMap::new() }
+        Ok(Self { tracer, contacts, exact, known: HashMap::new() })
     }
 
     /// The parts for patches of legs up to `edge` (normalised).
@@ -125,26 +144,50 @@ impl Parts {
     /// Parts every diffuse face that is longer than `edge`, is covered by another, or that another passes
     /// through.
     fn find(tracer: &Tracer, contacts: &Contacts, exact: &ExactLines, edge: f64) -> Self {
-        let part = |face: usize| {
+        let faces = tracer.scene().faces().len();
+        let longest_side = |face: usize| {
             let corners = tracer.corners(face);
-            let longest = (0..3).map(|k| corners[k].distance(corners[(k + 1) % 3])).fold(0.0, f64::max);
+            (0..3).map(|k| corners[k].distance(corners[(k + 1) % 3])).fold(0.0, f64::max)
+        };
+        let is_long = |face: usize| tracer.scene().is_diffuse(face) && longest_side(face) > edge;
+        // Lines of what touches or is near, on the faces that are cut anyhow.
+        let most = NEIGHBOURS[0] + NEIGHBOURS[1] * faces;
+        let near: Vec<usize> = (0..faces)
+            .into_par_iter()
+            .map(|face| if is_long(face) { contacts.count_near(face, NEAR * edge, most) } else { 0 })
+            .collect();
+        let most_near = most_for_each(&near, most);
+        let lines_on = |face: usize| {
+            if !is_long(face) {
+                return [Vec::new(), Vec::new()];
+            }
+            let flat = Flat::new(tracer.corners(face), tracer.normal(face, Side::Front));
+            let near = if near[face] > most_near { 0.0 } else { NEAR * edge };
+            let lines = contacts.lines_on(face, &flat, near, WELD * edge);
+            let (touching, near): (Vec<Line>, Vec<Line>) = lines.into_iter().partition(|line| line.touches);
+            [touching, near].map(longest)
+        };
+        let lines: Vec<[Vec<Line>; 2]> = (0..faces).into_par_iter().map(lines_on).collect();
+        let counts: Vec<usize> = lines.iter().map(|[touching, near]| touching.len().max(near.len())).collect();
+        let most_lines = most_for_each(&counts, LINES[0] + LINES[1] * faces);
+        let [least, most] = MOST_CROSSINGS_ON_FACE;
+        let crossings = (MOST_CROSSINGS / faces.max(1)).clamp(least, most);
+
+        let part = |face: usize| {
+            let (corners, longest) = (tracer.corners(face), longest_side(face));
             let exact = exact.get(&face).map_or(&[][..], Vec::as_slice);
-            if (longest <= edge && exact.is_empty()) || !tracer.scene().is_diffuse(face) {
+            let [touching, near] = lines[face].each_ref().map(|lines| &lines[..lines.len().min(most_lines)]);
+            if exact.is_empty() && touching.is_empty() && near.is_empty() {
                 return None;
             }
             let flat = Flat::new(corners, tracer.normal(face, Side::Front));
-            let lines = match longest > edge {
-                true => contacts.lines_on(face, &flat, NEAR * edge, WELD * edge),
-                false => Vec::new(),
-            };
-            let (touching, near): (Vec<Line>, Vec<Line>) = lines.into_iter().partition(|line| line.touches);
             let drawn = |weld: f64| {
-                let mut welded = Welded::new(&flat.corners, weld);
+                let mut welded = Welded::new(&flat.corners, weld, crossings);
                 exact.iter().for_each(|&ends| welded.add(ends));
                 let is_always = !welded.drawn().is_empty();
-                welded.add_lines(touching.clone());
+                touching.iter().for_each(|line| welded.add(line.ends));
                 welded.weld = WELD * edge;
-                welded.add_lines(near.clone());
+                near.iter().for_each(|line| welded.add(line.ends));
                 (triangulate(&flat.corners, welded.drawn()), is_always)
             };
             // Where rounding leaves no way to draw lines exactly, they are drawn as those of what is near are.
@@ -158,8 +201,21 @@ impl Parts {
             });
             Some(Parted { face, longest, is_always, parts: parts.collect() })
         };
-        Self((0..tracer.scene().faces().len()).into_par_iter().filter_map(part).collect())
+        Self((0..faces).into_par_iter().filter_map(part).collect())
     }
+}
+
+/// Lines that are drawn, long ones before short ones.
+fn longest(mut lines: Vec<Line>) -> Vec<Line> {
+    let length = |line: &Line| line.ends[0].distance_squared(line.ends[1]);
+    lines.sort_by(|a, b| length(b).total_cmp(&length(a)));
+    lines.truncate(MOST_LINES);
+    lines
+}
+
+/// The most that each may have, if all together may have `most`.
+fn most_for_each(counts: &[usize], most: usize) -> usize {
+    if counts.iter().sum::<usize>() <= most { usize::MAX } else { most / counts.len() }
 }
 
 /// Per face the lines that part it however small it is: outlines of what covers it, then those along which
@@ -167,17 +223,26 @@ impl Parts {
 type ExactLines = HashMap<usize, Vec<[DVec2; 2]>>;
 
 fn exact_lines(tracer: &Tracer, contacts: &Contacts) -> ExactLines {
+    let faces = tracer.scene().faces().len();
     let of = |face: usize| {
         if !tracer.scene().is_diffuse(face) {
-            return None;
+            return Default::default();
         }
         let flat = Flat::new(tracer.corners(face), tracer.normal(face, Side::Front));
         let outlines = tracer.outlines_of_covers(face).into_iter().filter_map(|ends| flat.line(ends));
-        let crossings = contacts.crossings_on(face, &flat).into_iter();
-        let lines: Vec<_> = outlines.take(MOST_OUTLINES).chain(crossings.take(MOST_LINES)).collect();
-        (!lines.is_empty()).then_some((face, lines))
+        let outlines: Vec<_> = outlines.take(MOST_OUTLINES).collect();
+        let mut crossings = contacts.crossings_on(face, &flat);
+        crossings.truncate(MOST_LINES);
+        (outlines, crossings)
     };
-    (0..tracer.scene().faces().len()).into_par_iter().filter_map(of).collect()
+    let lines: Vec<(Vec<_>, Vec<_>)> = (0..faces).into_par_iter().map(of).collect();
+    let counts: Vec<usize> = lines.iter().map(|(_, crossings)| crossings.len()).collect();
+    let most = most_for_each(&counts, LINES[0] + LINES[1] * faces);
+    let all = lines.into_iter().map(|(mut lines, crossings)| {
+        lines.extend(crossings.into_iter().take(most));
+        lines
+    });
+    all.enumerate().filter(|(_, lines)| !lines.is_empty()).collect()
 }
 
 /// Lines on a face of which no two run along one another.
@@ -185,18 +250,13 @@ struct Welded {
     weld: f64,
     /// The three sides of the face, then the lines on it.
     lines: Vec<[DVec2; 2]>,
+    /// How often they may still cross each other.
+    crossings: usize,
 }
 
 impl Welded {
-    fn new(corners: &[DVec2; 3], weld: f64) -> Self {
-        Self { weld, lines: [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]).to_vec() }
-    }
-
-    /// Adds the lines of contacts, long ones before short ones.
-    fn add_lines(&mut self, mut lines: Vec<Line>) {
-        let length = |line: &Line| line.ends[0].distance_squared(line.ends[1]);
-        lines.sort_by(|a, b| length(b).total_cmp(&length(a)));
-        lines.iter().take(MOST_LINES).for_each(|line| self.add(line.ends));
+    fn new(corners: &[DVec2; 3], weld: f64, crossings: usize) -> Self {
+        Self { weld, lines: [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]).to_vec(), crossings }
     }
 
     /// The lines within the face.
@@ -217,7 +277,9 @@ impl Welded {
             // A stub that others leave is no longer than they are apart.
             if ends[0].distance(ends[1]) > 2.0 * self.weld {
                 let ends = ends.map(|end| self.moved(end));
-                if ends[0].distance(ends[1]) > self.weld {
+                let crossed = self.drawn().iter().filter(|&&known| crossing(ends, known).is_some()).count();
+                if ends[0].distance(ends[1]) > self.weld && crossed <= self.crossings {
+                    self.crossings -= crossed;
                     self.lines.push(ends);
                 }
             }
@@ -260,19 +322,23 @@ fn along([p, q]: [DVec2; 2], known: [DVec2; 2], weld: f64) -> Option<[f64; 2]> {
     ((to - from) * length > weld && apart(from) <= weld && apart(to) <= weld).then_some([from, to])
 }
 
+/// Where two lines cross, as a share of either.
+fn crossing([p, q]: [DVec2; 2], [a, b]: [DVec2; 2]) -> Option<[f64; 2]> {
+    let across = (q - p).perp_dot(b - a);
+    let shares = [(a - p).perp_dot(b - a), (a - p).perp_dot(q - p)].map(|x| x / across);
+    shares.iter().all(|&at| at > 0.0 && at < 1.0).then_some(shares)
+}
+
 /// The pieces into which lines part each other; where two cross, all pieces end at the same point.
 fn split_at_crossings(lines: &[[DVec2; 2]]) -> Vec<[DVec2; 2]> {
     let mut stops: Vec<Vec<(f64, DVec2)>> = lines.iter().map(|&[p, q]| vec![(0.0, p), (1.0, q)]).collect();
     for i in 0..lines.len() {
         for j in 0..i {
-            let ([p, q], [a, b]) = (lines[i], lines[j]);
-            let across = (q - p).perp_dot(b - a);
-            let [here, there] = [(a - p).perp_dot(b - a), (a - p).perp_dot(q - p)].map(|x| x / across);
-            let is_inside = |at: f64| at > 0.0 && at < 1.0;
-            if is_inside(here) && is_inside(there) {
-                let crossing = p.lerp(q, here);
-                stops[i].push((here, crossing));
-                stops[j].push((there, crossing));
+            if let Some([here, there]) = crossing(lines[i], lines[j]) {
+                let [p, q] = lines[i];
+                let place = p.lerp(q, here);
+                stops[i].push((here, place));
+                stops[j].push((there, place));
             }
         }
     }
@@ -364,8 +430,8 @@ mod tests {
         for (face, seed) in faces().into_iter().flat_map(|face| (0..40).map(move |seed| (face, seed))) {
             let lines = scribbles(face, seed, [1, 3, 10, 50][seed as usize % 4]);
             // As lines of contacts are welded, and as those along which others pass through a face.
-            let mut welded = Welded::new(&face, [0.003, 1e-9][seed as usize / 4 % 2]);
-            welded.add_lines(lines);
+            let mut welded = Welded::new(&face, [0.003, 1e-9][seed as usize / 4 % 2], usize::MAX);
+            longest(lines).iter().for_each(|line| welded.add(line.ends));
             let Some(triangles) = triangulate(&face, welded.drawn()) else {
                 // Exact lines on needles may leave no way; they are then welded.
                 assert!(welded.drawn().is_empty() || welded.weld < 1e-6, "{face:?} {seed}");
@@ -396,6 +462,16 @@ mod tests {
     }
 
     #[test]
+    fn a_tangle_of_lines_parts_a_face_no_further_than_it_may() {
+        let face = faces()[0];
+        let lines: Vec<DVec2> = points(face, 1, 800).collect();
+        let mut welded = Welded::new(&face, 1e-9, 500);
+        lines.chunks_exact(2).for_each(|ends| welded.add([ends[0], ends[1]]));
+        let pieces = split_at_crossings(welded.drawn()).len();
+        assert!((400..=400 + 2 * 500).contains(&pieces), "{pieces}");
+    }
+
+    #[test]
     fn lines_are_edges_of_parts() {
         let face = faces()[0];
         let ends = [DVec2::new(0.2, 0.1), DVec2::new(0.6, 0.2)];
@@ -420,8 +496,9 @@ mod tests {
             (vec![line((0.3, 0.2), (0.5, 0.05))], 2),
             (vec![line((0.4, 0.3), (0.4, 0.151))], 3),
         ] {
-            let mut welded = Welded::new(&face, 0.005);
-            welded.add_lines([vec![long], others.clone()].concat());
+            let mut welded = Welded::new(&face, 0.005, usize::MAX);
+            let lines = longest([vec![long], others.clone()].concat());
+            lines.iter().for_each(|line| welded.add(line.ends));
             assert_eq!(welded.drawn().len(), count, "{others:?}: {:?}", welded.drawn());
         }
     }

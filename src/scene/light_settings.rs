@@ -18,7 +18,7 @@ use super::photometry::luminance;
 use super::picture_file;
 use super::settings::Colour;
 use super::text::decode;
-use super::{Environment, IntensityTable, Light, Sky, SkyKind};
+use super::{Environment, IntensityTable, LARGEST, Light, Sky, SkyKind};
 
 #[derive(Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
@@ -375,6 +375,13 @@ fn one_of(amounts: &[Amount], colour: Option<&Colour>, efficacy: f64) -> Result<
     let (Some((amount, value)), None) = (given.next(), given.next()) else {
         return Err(format!("say how much light it sends by one of {}", keys.join(", ")));
     };
+    let numbers = match value {
+        Power::Watts(watts) => watts.channels(),
+        Power::Lumens(lumens) => vec![*lumens],
+    };
+    if let Some(wrong) = numbers.into_iter().find(|x| !(0.0..=LARGEST).contains(x)) {
+        return Err(format!("{} {wrong} must be finite, up to {LARGEST:e}, and not negative", amount.key));
+    }
     match value {
         Power::Watts(_) if colour.is_some() => {
             Err(format!("{} has a colour of its own: give it as [r, g, b] and leave out colour", amount.key))

@@ -24,6 +24,7 @@ mod picture_file;
 mod pixels;
 mod receiver;
 mod settings;
+mod settings_line;
 mod sheet;
 mod sky;
 mod text;

@@ -10,6 +10,7 @@ use toml::Spanned;
 use super::beside::Beside;
 use super::light_settings::{LightSettings, SkySettings};
 use super::photometry::EFFICACY;
+use super::settings_line::line_of;
 use super::{Camera, FARTHEST, LARGEST, Material, Receiver, SceneError, SceneParts, Sheet, Surface, is_near};
 
 /// The content of a scene's `.toml`.
@@ -140,12 +141,14 @@ pub(super) fn apply(
     beside: &Beside,
     parts: &mut SceneParts,
 ) -> Result<(), SceneError> {
+    let read = |text: &str| toml::from_str::<Settings>(text);
     let error = |start: usize, message: String| {
-        let line = 1 + text.bytes().take(start).filter(|&byte| byte == b'\n').count();
+        let refusal = |text: &str| read(text).err().map(|e| e.message().to_owned());
+        let line = line_of(text, start, &message, refusal);
         SceneError::Parse { path: path.to_path_buf(), line, message }
     };
-    let settings: Settings = toml::from_str(text)
-        .map_err(|e| error(e.span().map_or(0, |span| span.start), e.message().to_owned()))?;
+    let settings =
+        read(text).map_err(|e| error(e.span().map_or(0, |span| span.start), e.message().to_owned()))?;
     let unit = settings.unit.as_ref().map_or(1.0, |unit| unit.get_ref().metres());
     parts.vertices.iter_mut().for_each(|vertex| *vertex *= unit);
     if let Some(given) = settings.unit {

@@ -22,7 +22,7 @@ const PAD: f32 = 1.0 / (1 << 19) as f32;
 /// Rays that start farther out than this are first moved up to the scene, so that PAD holds for them too.
 const NEAR: f64 = 2.0;
 
-/// Deferred children before a walk calls itself to get a new stack.
+/// Children that a walk defers before it sets them aside on the heap.
 const STACK: usize = 64;
 
 /// Four children side by side: lane k of every vector is child k.
@@ -92,7 +92,7 @@ impl Bvh {
             Hit { face: u32::MAX, side: Side::Front, distance: f64::INFINITY, barycentrics: [0.0; 2] };
         let (ray, ahead) = approach(ray);
         let shear = Shear::new(ray.origin, ray.direction);
-        self.walk(Child::default(), &Slabs::new(&ray), f32::INFINITY, &mut |k| {
+        self.walk(&Slabs::new(&ray), f32::INFINITY, |k| {
             let face = self.faces[k];
             if face != ray.from
                 && let Some(crossing) = shear.cross(&self.corners[k])
@@ -119,7 +119,7 @@ impl Bvh {
         let limit = limit - ahead;
         let shear = Shear::new(ray.origin, ray.direction);
         let mut met = false;
-        self.walk(Child::default(), &Slabs::new(&ray), round_up(limit), &mut |k| {
+        self.walk(&Slabs::new(&ray), round_up(limit), |k| {
             let face = self.faces[k];
             met |= face != ray.from
                 && face != to
@@ -130,13 +130,17 @@ impl Bvh {
         met
     }
 
-    /// Walks the subtree under node `start`, nearest boxes first. `visit` looks at a triangle and answers the
-    /// distance beyond which nothing matters any more; `limit` is the first such distance.
-    fn walk(&self, start: Child, slabs: &Slabs, mut limit: f32, visit: &mut impl FnMut(usize) -> f32) -> f32 {
+    /// Walks the tree, nearest boxes first. `visit` looks at a triangle and answers the distance beyond which
+    /// nothing matters any more; `limit` is the first such distance.
+    fn walk(&self, slabs: &Slabs, mut limit: f32, mut visit: impl FnMut(usize) -> f32) {
         let mut stack = [(0.0f32, Child::default()); STACK];
-        stack[0] = (0.0, start);
         let mut depth = 1;
-        while depth > 0 {
+        let mut set_aside = Vec::new();
+        loop {
+            if depth == 0 {
+                let Some(deferred) = set_aside.pop() else { return };
+                (stack[0], depth) = (deferred, 1);
+            }
             depth -= 1;
             let (near, child) = stack[depth];
             if near > limit {
@@ -149,8 +153,8 @@ impl Bvh {
                 continue;
             }
             if depth + 4 > STACK {
-                limit = self.walk(child, slabs, limit, visit);
-                continue;
+                set_aside.extend_from_slice(&stack[..depth]);
+                depth = 0;
             }
             let node = &self.nodes[child.first()];
             let (near, mut met) = slabs.meet(node, limit);
@@ -168,7 +172,6 @@ impl Bvh {
                 depth += 1;
             }
         }
-        limit
     }
 }
 

@@ -13,6 +13,7 @@
 //! What is covered is met by no ray, sends out none, and belongs to no patch.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams;
@@ -56,6 +57,10 @@ const PAD: f64 = 4.0 * FLAT;
 /// only guards against damage.
 const MOST_LAYERS: usize = 64;
 
+/// The most pairs of coinciding faces, first for the scene and then as many more for each face: thousands of
+/// faces of which every one covers every other are no scene, and the square of their number fills the memory.
+const MOST_PAIRS: [usize; 2] = [1 << 16, 8];
+
 /// Two faces that coincide somewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overlap {
@@ -92,6 +97,8 @@ pub(super) struct Layers {
     layer_of_face: Vec<u32>,
     layers: Vec<Layer>,
     overlaps: Vec<Overlap>,
+    /// A face that coincides with too many others, if the order of all was given up.
+    too_many: Option<u32>,
 }
 
 const NONE: u32 = u32::MAX;
@@ -105,10 +112,11 @@ impl Layers {
         kept: &[u32],
         area_unit: f64,
     ) -> Self {
-        let touching = touching_pairs(corners, normals, kept);
-        if touching.is_empty() {
-            return Self::default();
-        }
+        let touching = match touching_pairs(corners, normals, kept) {
+            Ok(touching) if touching.is_empty() => return Self::default(),
+            Ok(touching) => touching,
+            Err(face) => return Self { too_many: Some(face), ..Self::default() },
+        };
         let surfaces = Surfaces::new(corners, normals, kept);
         let pairs = surfaces.coinciding(touching, normals);
         let ranks: Vec<Rank> =
@@ -179,6 +187,12 @@ impl Tracer<'_> {
     /// The pairs of faces that coincide somewhere.
     pub fn overlaps(&self) -> &[Overlap] {
         &self.layers.overlaps
+    }
+
+    /// A face of those that coincide with so many others that no order was worked out; such a scene can't be
+    /// cut into patches.
+    pub fn face_of_too_many_overlaps(&self) -> Option<usize> {
+        self.layers.too_many.map(|face| face as usize)
     }
 
     /// The faces that cover a face's side somewhere, outermost first.
@@ -293,6 +307,7 @@ impl Rank {
 }
 
 /// Two faces that overlap in one plane but for rounding.
+#[derive(Clone, Copy)]
 struct Touching {
     faces: [u32; 2],
     /// Of the overlap, normalised.
@@ -301,10 +316,11 @@ struct Touching {
     heights: [f64; 2],
 }
 
-/// All pairs of faces that overlap in one plane but for rounding.
-fn touching_pairs(corners: &[[DVec3; 3]], normals: &[DVec3], kept: &[u32]) -> Vec<Touching> {
+/// All pairs of faces that overlap in one plane but for rounding; where they are too many, one face of them.
+fn touching_pairs(corners: &[[DVec3; 3]], normals: &[DVec3], kept: &[u32]) -> Result<Vec<Touching>, u32> {
     let boxes: Vec<Aabb> = kept.iter().map(|&face| box_around(&corners[face as usize])).collect();
     let tree: Bvh2 = build_bvh2(&boxes, BvhBuildParams::fastest_build(), &mut Default::default());
+    let (most, count) = (MOST_PAIRS[0] + MOST_PAIRS[1] * kept.len(), AtomicUsize::new(0));
     let of_face = |k: usize| {
         let face = kept[k];
         let mut found = Vec::new();
@@ -324,13 +340,15 @@ fn touching_pairs(corners: &[[DVec3; 3]], normals: &[DVec3], kept: &[u32]) -> Ve
                     }));
                 }
             }
-            true
+            found.len() <= most
         });
-        found
+        let before = count.fetch_add(found.len(), Ordering::Relaxed);
+        if before + found.len() > most { Err(face) } else { Ok(found) }
     };
-    let mut found: Vec<Touching> = (0..kept.len()).into_par_iter().flat_map_iter(of_face).collect();
+    let found: Vec<Vec<Touching>> = (0..kept.len()).into_par_iter().map(of_face).collect::<Result<_, _>>()?;
+    let mut found = found.concat();
     found.sort_unstable_by_key(|pair| pair.faces);
-    found
+    Ok(found)
 }
 
 fn box_around(corners: &[DVec3; 3]) -> Aabb {
@@ -348,7 +366,11 @@ fn overlap([first, second]: [&[DVec3; 3]; 2], normal: DVec3) -> Option<(f64, [f6
     let axes = [along, normal.cross(along), normal];
     let place = |p: DVec3| DVec3::from(axes.map(|axis| (p - a).dot(axis)));
     let clip_by = [a, b, c].map(place);
-    let mut polygon: Vec<DVec3> = second.iter().map(|&p| place(p)).collect();
+    let second = second.map(place);
+    if are_beside(&clip_by, &second) || are_beside(&second, &clip_by) {
+        return None;
+    }
+    let mut polygon = second.to_vec();
     let thin = thickness(&clip_by).min(thickness(&polygon));
     for k in 0..3 {
         let (from, to) = (clip_by[k].truncate(), clip_by[(k + 1) % 3].truncate());
@@ -378,6 +400,18 @@ fn overlap([first, second]: [&[DVec3; 3]; 2], normal: DVec3) -> Option<(f64, [f6
     let heights = [heights.clone().fold(f64::INFINITY, f64::min), heights.fold(f64::NEG_INFINITY, f64::max)];
     let flat = heights[0].abs().max(heights[1].abs()) <= FLAT.min(SLOPE * diameter(&polygon));
     flat.then(|| (area(&polygon), heights))
+}
+
+/// Whether one side of the first triangle has all of the second beyond it, in the plane, but for less than any
+/// overlap is wide: most pairs that are looked at are neighbours.
+fn are_beside(first: &[DVec3; 3], second: &[DVec3; 3]) -> bool {
+    let [a, b, c] = first.map(DVec3::truncate);
+    let turn = (b - a).perp_dot(c - a).signum();
+    [[a, b], [b, c], [c, a]].into_iter().any(|[from, to]| {
+        let inside = |p: &DVec3| turn * (to - from).perp_dot(p.truncate() - from);
+        let most = NARROW[1] * from.distance(to);
+        second.iter().all(|p| inside(p) < most)
+    })
 }
 
 /// Area of a polygon in the plane.

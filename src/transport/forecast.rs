@@ -13,7 +13,7 @@ use super::recipe::{BATCHES, RayCount};
 use super::storage::StorageKind;
 use super::switches::Shots;
 use super::{LightOptions, TraceOptions};
-use crate::patches::{Basis, Outlook, Tessellation};
+use crate::patches::{Basis, Outlook, PatchError, Tessellation};
 use crate::scene::{Feature, Material, Scene, Side};
 use crate::trace::{Lamps, Tracer};
 
@@ -148,9 +148,12 @@ pub(crate) fn is_quickly_factored(n: usize, factors: usize, memory: u64) -> bool
 
 impl Forecast {
     /// Foretells what `work` costs in a scene: cuts by arithmetic, traces nothing.
-    pub fn new(tracer: &Tracer, work: &Work) -> Self {
+    ///
+    /// # Errors
+    /// `TooManyOverlaps`.
+    pub fn new(tracer: &Tracer, work: &Work) -> Result<Self, PatchError> {
         let scene = tracer.scene();
-        let outlook = Outlook::new(tracer, work.tessellation.size);
+        let outlook = Outlook::new(tracer, work.tessellation.size)?;
         let patches = outlook.patches();
         let n = patches.round() as usize;
         let per_patch = work.trace.rays.unwrap_or(TraceOptions::usual_rays(n)).next_multiple_of(BATCHES);
@@ -286,14 +289,14 @@ impl Forecast {
             sky,
             receivers,
         };
-        Self {
+        Ok(Self {
             patches: n,
             rays: if is_exact || !interreflects { 0 } else { per_patch },
             rays_because: without_rays.err(),
             threads,
             stages: stages.map(|(name, cost)| StageCost { name, cost }).collect(),
             parts,
-        }
+        })
     }
 
     /// All stages together: rays, seconds, and the bytes of what is held at once: rays and matrix, or matrix

@@ -101,8 +101,9 @@ pub enum TransportError {
     },
     /// Light could never leave or be absorbed.
     #[error(
-        "light is trapped: {} pass all light on and nothing they see absorbs or lets light out; lower a reflectance (Kd), or its sum with a transmittance, below 1 or open the scene",
-        materials.join(", ")
+        "light is trapped: {} {} all light on and nothing seen from there absorbs or lets light out; lower a reflectance (Kd), or its sum with a transmittance, below 1 or open the scene",
+        materials.join(", "),
+        if materials.len() == 1 { "passes" } else { "pass" }
     )]
     Unsolvable {
         /// The materials of the closed set of patches that loses nothing.

@@ -145,7 +145,7 @@ fn the_plan_says_why_there_are_rays_or_none() {
             order: 1000,
             pixels: 0,
         };
-        let plan = Plan::new(scene).foretold(&Forecast::new(&Tracer::new(scene), &work));
+        let plan = Plan::new(scene).foretold(&Forecast::new(&Tracer::new(scene), &work).unwrap());
         let effect = plan.effects.into_iter().find(|effect| effect.effect == "occlusion rays").unwrap();
         (effect.on, effect.cost.rays, effect.reason)
     };

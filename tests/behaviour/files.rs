@@ -684,8 +684,8 @@ fn refuses_changes_to_a_material_that_does_not_exist() {
 #[test]
 fn settings_are_held_to_the_same_physics() {
     let bad = |line: &str| refusal(&toml(&format!("[material.m]\n{line}\n")));
-    says(&bad("reflectance = 1.5"), &["a.toml:1: ", "material m", "reflectance 1.5"]);
-    says(&bad("emission = [1.0, -2.0, 0.0]"), &["a.toml:1: ", "material m", "emission -2"]);
+    says(&bad("reflectance = 1.5"), &["a.toml:2: ", "material m", "reflectance 1.5"]);
+    says(&bad("emission = [1.0, -2.0, 0.0]"), &["a.toml:2: ", "material m", "emission -2"]);
 }
 
 #[test]

@@ -1,12 +1,14 @@
 //! Hard cases that must stay stable, each with every solver, both ways of storage and, where it matters, both
 //! bases.
 
+use glam::DVec3;
 use nalgebra::DMatrix;
 use radiosity::measure::Energy;
-use radiosity::patches::{Basis, PatchSize, Patches, Reach, Tessellation};
-use radiosity::scene::{Material, Scene, SceneParts};
+use radiosity::patches::{Basis, PatchError, PatchSize, Patches, Reach, Tessellation};
+use radiosity::scene::{Face, FaceState, Material, Scene, SceneParts};
 use radiosity::solve::{self, Certainty, CgOptions, DirectOptions, NeumannOptions, Solution};
 use radiosity::trace::Tracer;
+use radiosity::trace::sampling::Stream;
 use radiosity::transport::{FormFactors, StorageKind, TraceOptions, Transport};
 
 use crate::scenes::{flipped, quads, room};
@@ -328,6 +330,43 @@ fn overlapping_and_interpenetrating_faces_stay_finite_and_balanced() {
     let upright: Quad = [[0.5, 0.1, 0.1], [0.5, 0.7, 0.1], [0.5, 0.7, 0.9], [0.5, 0.1, 0.9]];
     let more = [shelf(0.2, 0.7, 0.4), shelf(0.4, 0.9, 0.4), upright, shelf(-0.2, 0.5, 0.2)];
     hold_to_the_laws(&lit_room(0.8, &more), PatchSize::Edge(0.1));
+}
+
+/// `count` triangles with corners drawn in the unit square of the floor, or in the unit cube.
+fn soup(count: u32, flat: bool) -> Scene {
+    let mut parts = SceneParts { materials: vec![Material::diffuse("grey", &[0.5])], ..Default::default() };
+    parts.objects.push("soup".into());
+    for k in 0..count {
+        for corner in 0..3 {
+            let [x, y, z, _] = Stream::Callers.sequence(1, k, 0).point(corner);
+            parts.vertices.push(DVec3::new(x, y, if flat { 0.0 } else { z }));
+        }
+        parts.faces.push(Face {
+            vertices: [0, 1, 2].map(|corner| 3 * k + corner),
+            normals: None,
+            material: 0,
+            object: 0,
+            state: FaceState::Kept,
+        });
+    }
+    Scene::new(parts).unwrap()
+}
+
+#[test]
+fn a_tangle_of_triangles_is_cut_no_finer_than_its_size_allows() {
+    let scene = soup(1500, false);
+    let options = Tessellation { size: PatchSize::Count(100), reach: Reach::Everything, ..Default::default() };
+    let patches = Patches::new(&Tracer::new(&scene), &options).unwrap();
+    // Every face twice, each in some hundred lines and what they cross.
+    assert!((3000..3_000_000).contains(&patches.len()), "{}", patches.len());
+}
+
+#[test]
+fn faces_that_all_lie_on_one_another_are_refused_at_once() {
+    let scene = soup(3000, true);
+    let tracer = Tracer::new(&scene);
+    let refused = Patches::new(&tracer, &Tessellation::default()).unwrap_err();
+    assert!(matches!(&refused, PatchError::TooManyOverlaps { object, .. } if object == "soup"), "{refused}");
 }
 
 #[test]

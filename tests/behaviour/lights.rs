@@ -361,13 +361,13 @@ fn bad_lights_are_refused_with_their_line_and_a_remedy() {
     for (settings, line, words) in [
         ("[[light]]\nkind = \"point\"\nposition = [0, 1, 0]\n", 1, "luminous_flux"),
         ("\n[[light]]\nkind = \"point\"\nposition = [0, 1, 0]\nflux = 1\nintensity = 1\n", 2, "one of"),
-        ("[[light]]\nkind = \"point\"\nposition = [0, 1, 0]\nflux = -1\n", 1, "not negative"),
+        ("[[light]]\nkind = \"point\"\nposition = [0, 1, 0]\nflux = -1\n", 4, "not negative"),
         ("[[light]]\nkind = \"point\"\nposition = [0, nan, 0]\nflux = 1\n", 1, "finite"),
         ("[[light]]\nkind = \"lava\"\nposition = [0, 1, 0]\nflux = 1\n", 2, "lava"),
-        ("[[light]]\nkind = \"sun\"\ndirection = [0, 0, 0]\nirradiance = 1\n", 1, "no direction"),
+        ("[[light]]\nkind = \"sun\"\ndirection = [0, 0, 0]\nirradiance = 1\n", 3, "no direction"),
         (
             "[[light]]\nkind = \"sun\"\ndirection = [0, -1, 0]\nirradiance = 1\ndiameter = 200\n",
-            1,
+            5,
             "diameter",
         ),
         (
@@ -382,7 +382,7 @@ fn bad_lights_are_refused_with_their_line_and_a_remedy() {
             "leave out colour",
         ),
         ("[sky]\nkind = \"overcast\"\n", 1, "illuminance"),
-        ("[sky]\nkind = \"overcast\"\nradiance = 1\nground = 2\n", 1, "ground"),
+        ("[sky]\nkind = \"overcast\"\nradiance = 1\nground = 2\n", 4, "ground"),
         ("[sky]\nkind = \"clear\"\nradiance = 1\nsun = [0, -1, 0]\n", 1, "horizon"),
         ("efficacy = 0\n", 1, "efficacy"),
     ] {

@@ -224,6 +224,42 @@ fn files_outside_of_the_scene_s_folder_are_not_read_unless_that_is_allowed() {
 }
 
 #[test]
+#[cfg(unix)]
+fn settings_behind_a_link_to_elsewhere_are_refused() {
+    let scratch = Scratch::new();
+    fs::create_dir(scratch.path("scene")).unwrap();
+    scratch.write("secret.toml", "unit = \"mm\"\n");
+    scratch.write("scene/a.obj", SQUARE);
+    std::os::unix::fs::symlink(scratch.path("secret.toml"), scratch.path("scene/a.toml")).unwrap();
+    let path = scratch.path("scene/a.obj");
+    let refused = Scene::load(&path).unwrap_err().to_string();
+    assert!(refused.contains("a.toml") && refused.contains("--allow-outside"), "{refused}");
+    let scene = Scene::load_with(&path, Loading { allow_outside: true }).unwrap();
+    assert!((area(&scene).z - 1e-6).abs() < 1e-18);
+}
+
+#[test]
+fn what_is_found_inside_is_not_said_to_lie_outside() {
+    let scratch = Scratch::with(&[("b.mtl", "newmtl m\nKd .75\n")]);
+    fs::create_dir(scratch.path("scene")).unwrap();
+    scratch.write("scene/a.obj", SQUARE.replace("a.mtl", "../b.mtl"));
+    scratch.write("scene/b.mtl", "newmtl m\nKd .25\n");
+    let scene = Scene::load(scratch.path("scene/a.obj")).unwrap();
+    assert_eq!(scene.material_of(0).reflectance[0], 0.25);
+    let said = scene.warnings().join("\n");
+    assert!(said.contains("found by name") && !said.contains("outside"), "{said}");
+}
+
+#[test]
+fn a_library_that_is_named_many_times_is_read_once() {
+    let text = format!("{}{}", "mtllib a.mtl\n".repeat(1000), SQUARE);
+    let scene = loaded(&[("a.obj", text), ("a.mtl", "newmtl m\nKd .25\nKd x\n".to_owned())]);
+    assert_eq!(scene.material_of(0).reflectance[0], 0.25);
+    let said = scene.warnings().join("\n");
+    assert!(said.contains("a.mtl:3") && !said.contains("more such"), "{said}");
+}
+
+#[test]
 fn a_scene_may_come_as_a_stream() {
     let scratch = Scratch::with(&[("a.mtl", "newmtl m\nKd .25\n")]);
     let scene = Scene::read(SQUARE.as_bytes(), scratch.path(""), Loading::default()).unwrap();

@@ -80,6 +80,18 @@ fn lights_and_receivers_outside_or_in_solids_are_named() {
         penumbra: 0.0,
     };
     says(vec![away], Vec::new(), &["light 1", "meets nothing", "unit"]);
+    // Of a thousand directions none lies within a beam as narrow as this one.
+    let beam = |direction: DVec3| Light::Spot {
+        position: DVec3::new(0.5, 0.5, -1.0),
+        direction,
+        intensity: vec![1.0],
+        cone: 0.01,
+        penumbra: 0.0,
+    };
+    says(vec![beam(-DVec3::Z)], Vec::new(), &["light 1", "meets nothing"]);
+    // On the walls from without, where a room has no fronts; to the same spot from within nothing is odd.
+    says(vec![beam(DVec3::Z)], Vec::new(), &["light 1", "backs of faces alone", "outside"]);
+    says(Vec::new(), vec![desk([0.5, -0.001, 0.5], UP)], &["receiver desk", "backs of faces alone"]);
     says(Vec::new(), vec![desk([0.5, 1000.0, 0.5], UP)], &["receiver desk", "meets nothing"]);
     says(
         Vec::new(),

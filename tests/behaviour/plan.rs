@@ -24,7 +24,7 @@ fn forecast(tracer: &Tracer, size: PatchSize, trace: &TraceOptions, solving: Sol
         order: 1000,
         pixels: 0,
     };
-    Forecast::new(tracer, &work)
+    Forecast::new(tracer, &work).unwrap()
 }
 
 fn stage(forecast: &Forecast, name: &str) -> Cost {

@@ -304,7 +304,7 @@ fn the_plan_simulates_plastic() {
         order: 100,
         pixels: 0,
     };
-    let plan = plan.foretold(&Forecast::new(&Tracer::new(&scene), &work));
+    let plan = plan.foretold(&Forecast::new(&Tracer::new(&scene), &work).unwrap());
     assert!(plan.effects.iter().all(|e| (e.effect == "plastic") <= (e.cost.rays > 0)));
 }
 

@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use radiosity::output::{
     self, Exposure, Outlines, OutputError, Outputs, Picture, RenderOptions, Shading, Surfaces,
 };
-use radiosity::patches::{Basis, Outlook, PatchSize, Patches, Reach, Tessellation};
+use radiosity::patches::{Basis, Outlook, PatchError, PatchSize, Patches, Reach, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Camera, Loading, Scene, SceneError};
 use radiosity::solve::{Method, SolveOptions};
@@ -149,12 +149,12 @@ impl BasisArg {
 
 impl AccuracyArgs {
     /// How many patches there will be at least, as far as that can be told before light is looked for.
-    pub fn wanted_patches(&self, tracer: &Tracer) -> usize {
-        match self.edge {
+    pub fn wanted_patches(&self, tracer: &Tracer) -> Result<usize, PatchError> {
+        Ok(match self.edge {
             // Light may reach but one of two sides that it probably does.
-            Some(metres) => (0.5 * Outlook::new(tracer, PatchSize::Edge(metres)).patches()) as usize,
+            Some(metres) => (0.5 * Outlook::new(tracer, PatchSize::Edge(metres))?.patches()) as usize,
             None => self.patches,
-        }
+        })
     }
 
     pub fn tessellation<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> Tessellation<'a> {

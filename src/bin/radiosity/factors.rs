@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use radiosity::output::{self, RenderOptions};
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchError, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Feature, Scene};
 use radiosity::trace::Tracer;
@@ -137,7 +137,7 @@ impl FactorsArgs {
         solver: &SolverArgs,
         (look, chosen): (&RenderOptions, Option<(usize, u32)>),
         run: &RunArgs,
-    ) -> Forecast {
+    ) -> Result<Forecast, PatchError> {
         let quietly = Progress::default();
         let (mut tessellation, mut trace) = self.options(run, quietly);
         if let Some((patches, rays)) = chosen {
@@ -189,7 +189,7 @@ impl FactorsArgs {
                 (patches, factors)
             }
             None => {
-                let wanted = self.accuracy.wanted_patches(tracer);
+                let wanted = self.accuracy.wanted_patches(tracer)?;
                 if trace.without_rays(tracer, wanted).is_err() {
                     trace.check(wanted)?;
                 }

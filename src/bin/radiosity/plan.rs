@@ -34,7 +34,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (scene, plan) = args.factors.plan(args.scene.load()?, terminal)?;
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
-    let forecast = args.factors.forecast(&tracer, &args.solver, (&look, None), &args.run);
+    let forecast = args.factors.forecast(&tracer, &args.solver, (&look, None), &args.run)?;
     let plan = plan.foretold(&forecast);
     let total = forecast.total();
     if args.run.json {

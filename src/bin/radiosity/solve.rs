@@ -66,7 +66,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (patches, factors, steps) = args.goal.obtain(&args.factors, &tracer, &args.run, terminal)?;
     // What was chosen on the way to an accuracy is not among the options.
     let chosen = (!steps.is_empty()).then(|| (patches.len(), factors.rays()));
-    let plan = plan.foretold(&args.factors.forecast(&tracer, &args.solver, (&look, chosen), &args.run));
+    let plan = plan.foretold(&args.factors.forecast(&tracer, &args.solver, (&look, chosen), &args.run)?);
     let k = Transport::of(&factors, &patches)?;
     let basis = factors.basis();
     let asked = args.factors.light(&args.run, progress);

@@ -17,6 +17,9 @@ const LOOKS: u32 = 64;
 /// Points of a receiver that look around.
 const POINTS: usize = 16;
 
+/// Faces that a line is followed through.
+const MOST_CROSSINGS: usize = 1000;
+
 /// What is as large as this, as a share of the scene's longest side, holds the scene and is no solid in it.
 const ROOM: f64 = 0.5;
 
@@ -26,6 +29,8 @@ enum Surroundings {
     Nothing,
     /// Backs of an object alone, all around.
     Within(String),
+    /// Backs alone, from beyond what they enclose.
+    Outside,
     /// More than that.
     Scene,
 }
@@ -85,6 +90,10 @@ fn said(who: &str, view: Surroundings) -> Option<String> {
         Surroundings::Within(object) => {
             write!(line, "lies within object {object}: it sees the backs of its faces alone, all around")
         }
+        Surroundings::Outside => write!(
+            line,
+            "meets the backs of faces alone: it lies outside of the room or within a solid; move it, or flip the faces"
+        ),
         Surroundings::Scene => return None,
     };
     Some(line)
@@ -110,12 +119,38 @@ fn look(tracer: &Tracer, place: DVec3, directions: impl Iterator<Item = DVec3>) 
     });
     let mut objects: Vec<Option<u32>> = objects.collect();
     objects.dedup();
+    if objects.contains(&None) {
+        return Surroundings::Scene;
+    }
     match objects[..] {
-        [Some(object)] if extent(scene, Some(object)) < ROOM * extent(scene, None) => {
+        [Some(object)]
+            if extent(scene, Some(object)) < ROOM * extent(scene, None)
+                && is_enclosed(tracer, origin, Some(object)) =>
+        {
             Surroundings::Within(scene.objects()[object as usize].clone())
         }
+        _ if scene.sky().is_none() && !is_enclosed(tracer, origin, None) => Surroundings::Outside,
         _ => Surroundings::Scene,
     }
+}
+
+/// Whether most lines from a place (normalised frame) pass through an odd number of faces, of an object or of
+/// all: it has walls around it.
+fn is_enclosed(tracer: &Tracer, place: DVec3, object: Option<u32>) -> bool {
+    let faces = tracer.scene().faces();
+    let sequence = Stream::Placement.sequence(0, 0, 2);
+    let crossings = |direction: DVec3| {
+        let mut ray = Ray { origin: place, direction, from: Ray::FREE };
+        let next = || {
+            let hit = tracer.closest_hit(&ray)?;
+            ray = Ray { origin: ray.origin + direction * hit.distance, direction, from: hit.face };
+            Some(hit.face as usize)
+        };
+        let met = std::iter::from_fn(next).take(MOST_CROSSINGS);
+        met.filter(|&face| object.is_none_or(|object| faces[face].object == object)).count()
+    };
+    let odd = (0..LOOKS).filter(|&k| crossings(anywhere(sequence, k)) % 2 == 1).count();
+    2 * odd > LOOKS as usize
 }
 
 /// The longest side of the box around an object, or around all.

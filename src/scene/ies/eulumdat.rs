@@ -147,3 +147,111 @@ impl Values<'_> {
         Ok((angles, first + count))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Line by line: this kind of symmetry, these planes all around of which the first `stored` from `first`
+    /// on have intensities, and these sets of lamps, of a number and a flux each.
+    fn file(
+        symmetry: u8,
+        planes: &[f64],
+        (first, stored): (usize, usize),
+        lamps: &[(i32, f64)],
+        candela: impl Fn(f64, f64) -> f64,
+    ) -> String {
+        let angles: Vec<f64> = (0..=36).map(|k| 5.0 * f64::from(k)).collect();
+        let mut lines = vec!["Maker".to_owned(), "1".into(), symmetry.to_string()];
+        lines.extend([planes.len().to_string(), "0".into(), angles.len().to_string(), "5".into()]);
+        lines.extend(["report", "name", "number", "file", "date"].map(String::from));
+        // Of the luminaire, of what shines, below its planes.
+        lines.extend(["600", "300", "80", "500", "200", "0", "0", "0", "0"].map(String::from));
+        lines.extend(["100", "80", "1.0", "0", &lamps.len().to_string()].map(String::from));
+        for (number, flux) in lamps {
+            lines.extend([number.to_string(), "LED".into(), flux.to_string()]);
+            lines.extend(["3000K", "80", "10"].map(String::from));
+        }
+        lines.extend(vec!["0,5".to_owned(); RATIOS]);
+        lines.extend(planes.iter().chain(&angles).map(f64::to_string));
+        for plane in &planes[first..first + stored] {
+            lines.extend(angles.iter().map(|&angle| candela(*plane, angle).to_string().replace('.', ",")));
+        }
+        lines.join("\r\n")
+    }
+
+    fn told(text: &str) -> (IntensityTable, Vec<String>) {
+        assert!(looks_like(text));
+        let mut warnings = Vec::new();
+        let table = parse(text, &mut warnings).unwrap_or_else(|(line, message)| panic!("{line}: {message}"));
+        (table, warnings)
+    }
+
+    fn around() -> Vec<f64> {
+        (0..24).map(|k| 15.0 * f64::from(k)).collect()
+    }
+
+    fn even(lamps: &[(i32, f64)]) -> String {
+        file(1, &around(), (0, 1), lamps, |_, _| 100.0)
+    }
+
+    #[test]
+    fn symmetric_files_stand_for_whole_ones() {
+        type Case = (u8, (usize, usize), fn(f64) -> f64);
+        let cases: [Case; 4] = [
+            (1, (0, 1), |_| 1.0),
+            (2, (0, 13), |c| 2.0 + c.to_radians().cos()),
+            (3, (18, 6), |c| 2.0 + c.to_radians().sin()),
+            (4, (0, 7), |c| 2.0 + (2.0 * c.to_radians()).cos()),
+        ];
+        for (symmetry, stored, by_plane) in cases {
+            let candela = |c: f64, gamma: f64| by_plane(c) * (200.0 - gamma);
+            let mut part = file(symmetry, &around(), stored, &[(1, 2000.0)], candela);
+            if symmetry == 3 {
+                // From 270 by 0 to 90.
+                let rest = file(symmetry, &around(), (0, 7), &[(1, 2000.0)], candela);
+                let rows: Vec<&str> = rest.lines().collect();
+                part = [part.as_str(), &rows[rows.len() - 7 * 37..].join("\r\n")].join("\r\n");
+            }
+            let whole = file(0, &around(), (0, 24), &[(1, 2000.0)], candela);
+            let (part, whole) = (told(&part).0, told(&whole).0);
+            for k in 0..500 {
+                let (gamma, c) = (f64::from(k) * 0.37 % 180.0, f64::from(k) * 7.3 - 900.0);
+                let (a, b) = (part.at(gamma, c), whole.at(gamma, c));
+                assert!((a - b).abs() < 1e-9 * b, "{symmetry} {gamma} {c}: {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn intensities_are_by_the_flux_of_all_lamps() {
+        let (table, warnings) = told(&even(&[(1, 2000.0)]));
+        assert_eq!((table.at(30.0, 77.0), warnings.len()), (200.0, 0));
+        let (table, warnings) = told(&even(&[(1, 2000.0), (2, 500.0)]));
+        assert_eq!((table.at(30.0, 77.0), warnings.len()), (250.0, 1));
+        assert!(warnings[0].contains("2 sets of lamps") && warnings[0].contains("luminous_flux"));
+    }
+
+    #[test]
+    fn absolute_files_are_by_the_flux_of_their_luminaire() {
+        assert_eq!(told(&even(&[(-1, 4000.0)])).0.at(30.0, 0.0), 400.0);
+    }
+
+    #[test]
+    fn angles_beyond_a_full_turn_are_refused_by_their_line() {
+        let planes = around().into_iter().map(|c| c + 15.0).chain([720.0]).collect::<Vec<_>>();
+        let text = file(1, &planes, (0, 1), &[(1, 1000.0)], |_, _| 100.0);
+        let (line, message) = parse(&text, &mut Vec::new()).unwrap_err();
+        assert!(message.contains("between 0 and 360"), "{message}");
+        // Told where the angles end.
+        assert!(text.lines().nth(line - 1).is_some_and(|text| text == "180"), "{line}");
+    }
+
+    #[test]
+    fn a_file_that_ends_early_is_refused_by_its_last_line() {
+        let whole = even(&[(1, 1000.0)]);
+        let half: Vec<&str> = whole.lines().take(80).collect();
+        let (line, message) = parse(&half.join("\n"), &mut Vec::new()).unwrap_err();
+        assert!(line == 80 && message.contains("the file ends"), "{line} {message}");
+    }
+}
