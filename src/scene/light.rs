@@ -185,7 +185,7 @@ pub(super) fn check_power(power: &[f64], channels: usize) -> Result<(), String> 
     }
     match power.iter().find(|x| !(0.0..=LARGEST).contains(*x)) {
         Some(x) => {
-            Err(format!("{x}: how much light it sends must be finite, up to {LARGEST:e}, and not negative"))
+            Err(format!("{x}: how much light it sends must be finite, at most {LARGEST:e}, and not negative"))
         }
         None => Ok(()),
     }

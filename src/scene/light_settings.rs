@@ -380,7 +380,7 @@ fn one_of(amounts: &[Amount], colour: Option<&Colour>, efficacy: f64) -> Result<
         Power::Lumens(lumens) => vec![*lumens],
     };
     if let Some(wrong) = numbers.into_iter().find(|x| !(0.0..=LARGEST).contains(x)) {
-        return Err(format!("{} {wrong} must be finite, up to {LARGEST:e}, and not negative", amount.key));
+        return Err(format!("{} {wrong} must be finite, at most {LARGEST:e}, and not negative", amount.key));
     }
     match value {
         Power::Watts(_) if colour.is_some() => {

@@ -362,7 +362,7 @@ fn bad_lights_are_refused_with_their_line_and_a_remedy() {
         ("[[light]]\nkind = \"point\"\nposition = [0, 1, 0]\n", 1, "luminous_flux"),
         ("\n[[light]]\nkind = \"point\"\nposition = [0, 1, 0]\nflux = 1\nintensity = 1\n", 2, "one of"),
         ("[[light]]\nkind = \"point\"\nposition = [0, 1, 0]\nflux = -1\n", 4, "not negative"),
-        ("[[light]]\nkind = \"point\"\nposition = [0, nan, 0]\nflux = 1\n", 1, "finite"),
+        ("[[light]]\nkind = \"point\"\nposition = [0, nan, 0]\nflux = 1\n", 3, "finite"),
         ("[[light]]\nkind = \"lava\"\nposition = [0, 1, 0]\nflux = 1\n", 2, "lava"),
         ("[[light]]\nkind = \"sun\"\ndirection = [0, 0, 0]\nirradiance = 1\n", 3, "no direction"),
         (
@@ -383,7 +383,7 @@ fn bad_lights_are_refused_with_their_line_and_a_remedy() {
         ),
         ("[sky]\nkind = \"overcast\"\n", 1, "illuminance"),
         ("[sky]\nkind = \"overcast\"\nradiance = 1\nground = 2\n", 4, "ground"),
-        ("[sky]\nkind = \"clear\"\nradiance = 1\nsun = [0, -1, 0]\n", 1, "horizon"),
+        ("[sky]\nkind = \"clear\"\nradiance = 1\nsun = [0, -1, 0]\n", 4, "horizon"),
         ("efficacy = 0\n", 1, "efficacy"),
     ] {
         let error = floor_with(settings).unwrap_err();
