@@ -217,7 +217,8 @@ mod tests {
         remove_left_over(folder.path(), &spared);
         let mut left = names(folder.path());
         left.sort();
-        let mut wanted = [&others[..], &[".radiosity-spared", ".radiosity-held00", ".radiosity-folder"]].concat();
+        let mut wanted =
+            [&others[..], &[".radiosity-spared", ".radiosity-held00", ".radiosity-folder"]].concat();
         wanted.sort_unstable();
         assert_eq!(left, wanted);
     }

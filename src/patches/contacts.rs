@@ -53,7 +53,7 @@ impl<'t> Contacts<'t> {
     /// The lines along which other faces pass through a face, the longest first: one space ends there and
     /// another begins.
     pub fn crossings_on(&self, face: usize, flat: &Flat) -> Vec<[DVec2; 2]> {
-        let others = self.faces_in(box_around(self.tracer.corners(face), PAD), usize::MAX).into_iter();
+        let others = self.faces_in(box_around(self.tracer.corners(face), PAD)).into_iter();
         let crossing = |other: usize| {
             let ends = crossing(&self.tracer.corners(other).map(|p| flat.place(p)))?;
             flat.clip(ends)
@@ -72,9 +72,12 @@ impl<'t> Contacts<'t> {
             let ends = flat.clip(ends).filter(|[p, q]| touches || p.distance(*q) > shortest);
             lines.extend(ends.filter(|_| counts()).map(|ends| Line { ends, touches }));
         };
-        let others = self.faces_in(box_around(self.tracer.corners(face), PAD + near), usize::MAX);
+        let others = self.faces_in(box_around(self.tracer.corners(face), PAD + near));
         for other in others.into_iter().filter(|&other| other != face) {
             let at = self.tracer.corners(other).map(|p| flat.place(p));
+            if flat.is_before(&at) {
+                continue;
+            }
             for k in 0..3 {
                 let ends = [at[k], at[(k + 1) % 3]];
                 let height = ends[0].z.abs().max(ends[1].z.abs());
@@ -89,7 +92,12 @@ impl<'t> Contacts<'t> {
 
     /// How many faces are at most `near` (normalised) from a face; counted up to about `most`.
     pub fn count_near(&self, face: usize, near: f64, most: usize) -> usize {
-        self.faces_in(box_around(self.tracer.corners(face), PAD + near), most).len()
+        let mut count = 0;
+        self.tree.aabb_traverse(box_around(self.tracer.corners(face), PAD + near), |tree, node| {
+            count += tree.nodes[node as usize].prim_count as usize;
+            count < most
+        });
+        count
     }
 
     /// Whether a face is a lamp that is turned to the plane. From near by it is all that a patch below it
@@ -124,7 +132,7 @@ impl<'t> Contacts<'t> {
         };
         let same = |a: DVec3, b: DVec3| a.distance_squared(b) <= TOUCH * TOUCH;
         let middle = [ends[0].midpoint(ends[1]); 3];
-        !self.faces_in(box_around(&middle, PAD), usize::MAX).into_iter().filter(|&other| other != face).any(|other| {
+        !self.faces_in(box_around(&middle, PAD)).into_iter().filter(|&other| other != face).any(|other| {
             let others = self.tracer.corners(other);
             let shared = ends.iter().all(|&end| others.iter().any(|&corner| same(corner, end)));
             let third = others.iter().find(|&&corner| !ends.iter().any(|&end| same(corner, end)));
@@ -132,14 +140,14 @@ impl<'t> Contacts<'t> {
         })
     }
 
-    /// The faces whose boxes meet this one, ascending; about `most` of them at most.
-    fn faces_in(&self, within: Aabb, most: usize) -> Vec<usize> {
+    /// The faces whose boxes meet this one, ascending.
+    fn faces_in(&self, within: Aabb) -> Vec<usize> {
         let mut found = Vec::new();
         self.tree.aabb_traverse(within, |tree, node| {
             let node = &tree.nodes[node as usize];
             let (first, count) = (node.first_index as usize, node.prim_count as usize);
             found.extend(self.faces[first..first + count].iter().map(|&face| face as usize));
-            found.len() < most
+            true
         });
         found.sort_unstable();
         found
@@ -186,6 +194,14 @@ impl Flat {
     /// A point's place in the plane, and its height above it.
     pub fn place(&self, p: DVec3) -> DVec3 {
         DVec3::from(self.axes.map(|axis| (p - self.origin).dot(axis)))
+    }
+
+    /// Whether one side of the face has a triangle beyond it, as seen along the normal.
+    fn is_before(&self, places: &[DVec3; 3]) -> bool {
+        (0..3).any(|k| {
+            let (a, b) = (self.corners[k], self.corners[(k + 1) % 3]);
+            places.iter().all(|p| (b - a).perp_dot(p.truncate() - a) <= 0.0)
+        })
     }
 
     /// The part of a line of the plane that lies within the face.

@@ -8,10 +8,10 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::{PatchError, PatchSize};
 use super::parts::{Part, Parting};
 use super::size::edge_for;
 use super::subdivide::cells_for;
+use super::{PatchError, PatchSize};
 use crate::scene::{Feature, Side};
 use crate::trace::Tracer;
 

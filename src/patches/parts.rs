@@ -17,8 +17,8 @@ use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-use super::contacts::{Contacts, Flat, Line};
 use super::PatchError;
+use super::contacts::{Contacts, Flat, Line};
 use super::subdivide::cells_for;
 use crate::scene::Side;
 use crate::trace::Tracer;
@@ -168,7 +168,8 @@ impl Parts {
             [touching, near].map(longest)
         };
         let lines: Vec<[Vec<Line>; 2]> = (0..faces).into_par_iter().map(lines_on).collect();
-        let counts: Vec<usize> = lines.iter().map(|[touching, near]| touching.len().max(near.len())).collect();
+        let counts: Vec<usize> =
+            lines.iter().map(|[touching, near]| touching.len().max(near.len())).collect();
         let most_lines = most_for_each(&counts, LINES[0] + LINES[1] * faces);
         let [least, most] = MOST_CROSSINGS_ON_FACE;
         let crossings = (MOST_CROSSINGS / faces.max(1)).clamp(least, most);

@@ -40,8 +40,7 @@ pub(super) fn line_of(
 mod tests {
     use super::*;
 
-    const TEXT: &str =
-        "unit = 1.0\n\n[[light]]\nkind = \"spot\"\n# aimed\ncone = 30\nposition = [0, 1]\n\n[sky]\ncone = 1\n";
+    const TEXT: &str = "unit = 1.0\n\n[[light]]\nkind = \"spot\"\n# aimed\ncone = 30\nposition = [0, 1]\n\n[sky]\ncone = 1\n";
 
     fn line(start: &str, message: &str) -> usize {
         let refusal = |text: &str| text.contains("[0, 1]").then(|| "invalid length 2".to_owned());

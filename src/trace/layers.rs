@@ -323,16 +323,18 @@ fn touching_pairs(corners: &[[DVec3; 3]], normals: &[DVec3], kept: &[u32]) -> Re
     let (most, count) = (MOST_PAIRS[0] + MOST_PAIRS[1] * kept.len(), AtomicUsize::new(0));
     let of_face = |k: usize| {
         let face = kept[k];
+        let (triangle, normal) = (&corners[face as usize], normals[face as usize]);
+        let sides = Sides::new(triangle, normal);
         let mut found = Vec::new();
         tree.aabb_traverse(boxes[k], |tree, node| {
             let node = &tree.nodes[node as usize];
             let (first, count) = (node.first_index as usize, node.prim_count as usize);
             for &other in &tree.primitive_indices[first..first + count] {
                 let other = kept[other as usize];
-                let alike = normals[face as usize].dot(normals[other as usize]).abs() > 0.9;
-                if other > face && alike {
-                    let triangles = [face, other].map(|f| &corners[f as usize]);
-                    let overlap = overlap(triangles, normals[face as usize]);
+                let second = &corners[other as usize];
+                let alike = normal.dot(normals[other as usize]).abs() > 0.9;
+                if other > face && alike && !sides.are_before(second) {
+                    let overlap = overlap([triangle, second], normal);
                     found.extend(overlap.map(|(area, heights)| Touching {
                         faces: [face, other],
                         area,
@@ -366,11 +368,7 @@ fn overlap([first, second]: [&[DVec3; 3]; 2], normal: DVec3) -> Option<(f64, [f6
     let axes = [along, normal.cross(along), normal];
     let place = |p: DVec3| DVec3::from(axes.map(|axis| (p - a).dot(axis)));
     let clip_by = [a, b, c].map(place);
-    let second = second.map(place);
-    if are_beside(&clip_by, &second) || are_beside(&second, &clip_by) {
-        return None;
-    }
-    let mut polygon = second.to_vec();
+    let mut polygon: Vec<DVec3> = second.iter().map(|&p| place(p)).collect();
     let thin = thickness(&clip_by).min(thickness(&polygon));
     for k in 0..3 {
         let (from, to) = (clip_by[k].truncate(), clip_by[(k + 1) % 3].truncate());
@@ -402,16 +400,22 @@ fn overlap([first, second]: [&[DVec3; 3]; 2], normal: DVec3) -> Option<(f64, [f6
     flat.then(|| (area(&polygon), heights))
 }
 
-/// Whether one side of the first triangle has all of the second beyond it, in the plane, but for less than any
-/// overlap is wide: most pairs that are looked at are neighbours.
-fn are_beside(first: &[DVec3; 3], second: &[DVec3; 3]) -> bool {
-    let [a, b, c] = first.map(DVec3::truncate);
-    let turn = (b - a).perp_dot(c - a).signum();
-    [[a, b], [b, c], [c, a]].into_iter().any(|[from, to]| {
-        let inside = |p: &DVec3| turn * (to - from).perp_dot(p.truncate() - from);
-        let most = NARROW[1] * from.distance(to);
-        second.iter().all(|p| inside(p) < most)
-    })
+/// The sides of a triangle, in its plane: a point of each, and the unit vector that points inwards.
+struct Sides([(DVec3, DVec3); 3]);
+
+impl Sides {
+    fn new([a, b, c]: &[DVec3; 3], normal: DVec3) -> Self {
+        Self([(a, b), (b, c), (c, a)].map(|(&from, &to)| (from, normal.cross(to - from).normalize_or_zero())))
+    }
+
+    /// Whether a triangle lies beyond one of them, but for less than any overlap is wide: most pairs that are
+    /// looked at are neighbours.
+    fn are_before(&self, triangle: &[DVec3; 3]) -> bool {
+        let is_beyond = |(from, inwards): &(DVec3, DVec3)| {
+            triangle.iter().all(|&p| (p - *from).dot(*inwards) < NARROW[1])
+        };
+        self.0.iter().any(is_beyond)
+    }
 }
 
 /// Area of a polygon in the plane.
