@@ -3,8 +3,10 @@
 
 use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::process;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -12,10 +14,13 @@ use radiosity::output::Stage;
 use radiosity::progress::{Observer, Progress};
 use radiosity::scene::Scene;
 use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
+use signal_hook::iterator::Signals;
 
 /// Any error, ready to be printed.
 pub type Failure = Box<dyn std::error::Error>;
+
+/// How long a signal waits for a step to end.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// A stage shorter than this draws no bar.
 const BRIEF: Duration = Duration::from_millis(700);
@@ -47,14 +52,24 @@ impl Terminal {
         }
     }
 
-    /// The first Ctrl-C or SIGTERM ends the run at the next report of progress, a second one at once.
+    /// The first Ctrl-C or SIGTERM ends the run at the next report of progress, or after [`PATIENCE`] where none
+    /// comes; a second one ends it at once.
     pub fn stop_on_signals(&self) -> io::Result<()> {
-        let again = Arc::new(AtomicBool::new(false));
-        for (signal, status) in [(SIGINT, 130), (SIGTERM, 143)] {
-            flag::register_conditional_shutdown(signal, status, Arc::clone(&again))?;
-            flag::register(signal, Arc::clone(&again))?;
-            flag::register_usize(signal, Arc::clone(&self.stopped), status as usize)?;
-        }
+        let mut signals = Signals::new([SIGINT, SIGTERM])?;
+        let stopped = Arc::clone(&self.stopped);
+        thread::spawn(move || {
+            for signal in signals.forever() {
+                let status = if signal == SIGINT { 130 } else { 143 };
+                if stopped.swap(status, Ordering::Relaxed) > 0 {
+                    process::exit(status as i32);
+                }
+                thread::spawn(move || {
+                    thread::sleep(PATIENCE);
+                    eprintln!("stopped within a long step; results of earlier runs are as they were");
+                    process::exit(status as i32);
+                });
+            }
+        });
         Ok(())
     }
 
