@@ -549,21 +549,23 @@ fn settings_make_sheets_of_materials() {
 
 #[test]
 fn bad_sheets_are_refused_with_their_line_and_a_remedy() {
-    for (mtl, settings, words) in [
-        ("Kd 0.5 0.5 0.5", "transmittance = 0.6", ["reflectance 0.5", "transmittance 0.6", "lower"]),
+    // A key that is named alone is told by its line, else the head.
+    for (mtl, settings, at, words) in [
+        ("Kd 0.5 0.5 0.5", "transmittance = 0.6", 3, ["reflectance 0.5", "transmittance 0.6", "lower"]),
         (
             "Kd 0.3 0.3 0.3",
             "reflectance_back = 0.8\ntransmittance = 0.3",
+            2,
             ["reflectance_back 0.8", "0.3", "lower"],
         ),
-        ("Kd 0.3 0.3 0.3", "transmittance = [0.1, 0.2, 0.8]", ["transmittance 0.8", "0.3", "lower"]),
-        ("Kd 0.3 0.3 0.3", "transmittance = -0.1", ["transmittance -0.1", "between", "0 and 1"]),
-        ("Kd 0.3 0.3 0.3", "reflectance_back = nan", ["reflectance_back NaN", "between", "0 and 1"]),
-        ("Ks 1 1 1\nillum 3", "transmittance = 0.1", ["transmittance", "diffuse", "material of its own"]),
+        ("Kd 0.3 0.3 0.3", "transmittance = [0.1, 0.2, 0.8]", 3, ["transmittance 0.8", "0.3", "lower"]),
+        ("Kd 0.3 0.3 0.3", "transmittance = -0.1", 3, ["transmittance -0.1", "between", "0 and 1"]),
+        ("Kd 0.3 0.3 0.3", "reflectance_back = nan", 3, ["reflectance_back NaN", "between", "0 and 1"]),
+        ("Ks 1 1 1\nillum 3", "transmittance = 0.1", 3, ["transmittance", "diffuse", "material of its own"]),
     ] {
         let error = square_with(mtl, &format!("\n[material.paper]\n{settings}")).unwrap_err();
         let SceneError::Parse { line, message, .. } = &error else { panic!("{error}") };
-        assert!(*line == 2 && message.contains("material paper"), "{error}");
+        assert!(*line == at && message.contains("material paper"), "{error}");
         assert!(words.iter().all(|word| message.contains(word)), "{settings}: {error}");
     }
 }

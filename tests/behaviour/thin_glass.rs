@@ -197,5 +197,5 @@ fn glass_is_thin_where_the_settings_say_so() {
     let open = read("", glass).unwrap().warnings().join("\n");
     assert!(open.contains("thin = true") && open.contains("material.m"), "{open}");
     let wrong = read("[material.m]\nthin = true\n", "newmtl m\nKd 0.5\n").unwrap_err().to_string();
-    assert!(wrong.contains("a.toml:1") && wrong.contains("only glass is thin"), "{wrong}");
+    assert!(wrong.contains("a.toml:2") && wrong.contains("only glass is thin"), "{wrong}");
 }
