@@ -145,39 +145,14 @@ impl Parts {
     /// through.
     fn find(tracer: &Tracer, contacts: &Contacts, exact: &ExactLines, edge: f64) -> Self {
         let faces = tracer.scene().faces().len();
-        let longest_side = |face: usize| {
-            let corners = tracer.corners(face);
-            (0..3).map(|k| corners[k].distance(corners[(k + 1) % 3])).fold(0.0, f64::max)
-        };
-        let is_long = |face: usize| tracer.scene().is_diffuse(face) && longest_side(face) > edge;
-        // Lines of what touches or is near, on the faces that are cut anyhow.
-        let most = NEIGHBOURS[0] + NEIGHBOURS[1] * faces;
-        let near: Vec<usize> = (0..faces)
-            .into_par_iter()
-            .map(|face| if is_long(face) { contacts.count_near(face, NEAR * edge, most) } else { 0 })
-            .collect();
-        let most_near = most_for_each(&near, most);
-        let lines_on = |face: usize| {
-            if !is_long(face) {
-                return [Vec::new(), Vec::new()];
-            }
-            let flat = Flat::new(tracer.corners(face), tracer.normal(face, Side::Front));
-            let near = if near[face] > most_near { 0.0 } else { NEAR * edge };
-            let lines = contacts.lines_on(face, &flat, near, WELD * edge);
-            let (touching, near): (Vec<Line>, Vec<Line>) = lines.into_iter().partition(|line| line.touches);
-            [touching, near].map(longest)
-        };
-        let lines: Vec<[Vec<Line>; 2]> = (0..faces).into_par_iter().map(lines_on).collect();
-        let counts: Vec<usize> =
-            lines.iter().map(|[touching, near]| touching.len().max(near.len())).collect();
-        let most_lines = most_for_each(&counts, LINES[0] + LINES[1] * faces);
+        let lines = contact_lines(tracer, contacts, edge);
         let [least, most] = MOST_CROSSINGS_ON_FACE;
         let crossings = (MOST_CROSSINGS / faces.max(1)).clamp(least, most);
-
         let part = |face: usize| {
-            let (corners, longest) = (tracer.corners(face), longest_side(face));
+            let corners = tracer.corners(face);
+            let longest = longest_side(corners);
             let exact = exact.get(&face).map_or(&[][..], Vec::as_slice);
-            let [touching, near] = lines[face].each_ref().map(|lines| &lines[..lines.len().min(most_lines)]);
+            let [touching, near] = &lines[face];
             if exact.is_empty() && touching.is_empty() && near.is_empty() {
                 return None;
             }
@@ -186,9 +161,9 @@ impl Parts {
                 let mut welded = Welded::new(&flat.corners, weld, crossings);
                 exact.iter().for_each(|&ends| welded.add(ends));
                 let is_always = !welded.drawn().is_empty();
-                touching.iter().for_each(|line| welded.add(line.ends));
+                welded.add_all(touching);
                 welded.weld = WELD * edge;
-                near.iter().for_each(|line| welded.add(line.ends));
+                welded.add_all(near);
                 (triangulate(&flat.corners, welded.drawn()), is_always)
             };
             // Where rounding leaves no way to draw lines exactly, they are drawn as those of what is near are.
@@ -206,16 +181,51 @@ impl Parts {
     }
 }
 
+/// Per face that is longer than `edge`, the lines of what touches it and of what is near, long ones first.
+fn contact_lines(tracer: &Tracer, contacts: &Contacts, edge: f64) -> Vec<[Vec<Line>; 2]> {
+    let faces = tracer.scene().faces().len();
+    let is_long = |face: usize| tracer.scene().is_diffuse(face) && longest_side(tracer.corners(face)) > edge;
+    let most = budget(NEIGHBOURS, faces);
+    let count = |face: usize| if is_long(face) { contacts.count_near(face, NEAR * edge, most) } else { 0 };
+    let neighbours: Vec<usize> = (0..faces).into_par_iter().map(count).collect();
+    let most_neighbours = most_for_each(&neighbours, NEIGHBOURS);
+    let lines_on = |face: usize| {
+        if !is_long(face) {
+            return Default::default();
+        }
+        let flat = Flat::new(tracer.corners(face), tracer.normal(face, Side::Front));
+        let near = if neighbours[face] > most_neighbours { 0.0 } else { NEAR * edge };
+        let lines = contacts.lines_on(face, &flat, near, WELD * edge);
+        let (touching, near): (Vec<Line>, Vec<Line>) = lines.into_iter().partition(|line| line.touches);
+        [touching, near].map(long_first)
+    };
+    let mut lines: Vec<[Vec<Line>; 2]> = (0..faces).into_par_iter().map(lines_on).collect();
+    let counts: Vec<usize> = lines.iter().map(|[touching, near]| touching.len().max(near.len())).collect();
+    let most = most_for_each(&counts, LINES);
+    lines.as_flattened_mut().iter_mut().for_each(|lines| lines.truncate(most));
+    lines
+}
+
+fn longest_side(corners: &[DVec3; 3]) -> f64 {
+    (0..3).map(|k| corners[k].distance(corners[(k + 1) % 3])).fold(0.0, f64::max)
+}
+
 /// Lines that are drawn, long ones before short ones.
-fn longest(mut lines: Vec<Line>) -> Vec<Line> {
+fn long_first(mut lines: Vec<Line>) -> Vec<Line> {
     let length = |line: &Line| line.ends[0].distance_squared(line.ends[1]);
     lines.sort_by(|a, b| length(b).total_cmp(&length(a)));
     lines.truncate(MOST_LINES);
     lines
 }
 
-/// The most that each may have, if all together may have `most`.
-fn most_for_each(counts: &[usize], most: usize) -> usize {
+/// What so many faces together may have.
+fn budget([first, each]: [usize; 2], faces: usize) -> usize {
+    first + each * faces
+}
+
+/// The most that each face may have of what all together have a budget for.
+fn most_for_each(counts: &[usize], shared: [usize; 2]) -> usize {
+    let most = budget(shared, counts.len());
     if counts.iter().sum::<usize>() <= most { usize::MAX } else { most / counts.len() }
 }
 
@@ -238,7 +248,7 @@ fn exact_lines(tracer: &Tracer, contacts: &Contacts) -> ExactLines {
     };
     let lines: Vec<(Vec<_>, Vec<_>)> = (0..faces).into_par_iter().map(of).collect();
     let counts: Vec<usize> = lines.iter().map(|(_, crossings)| crossings.len()).collect();
-    let most = most_for_each(&counts, LINES[0] + LINES[1] * faces);
+    let most = most_for_each(&counts, LINES);
     let all = lines.into_iter().map(|(mut lines, crossings)| {
         lines.extend(crossings.into_iter().take(most));
         lines
@@ -258,6 +268,11 @@ struct Welded {
 impl Welded {
     fn new(corners: &[DVec2; 3], weld: f64, crossings: usize) -> Self {
         Self { weld, lines: [0, 1, 2].map(|k| [corners[k], corners[(k + 1) % 3]]).to_vec(), crossings }
+    }
+
+    /// Adds what of these lines does not run along others.
+    fn add_all(&mut self, lines: &[Line]) {
+        lines.iter().for_each(|line| self.add(line.ends));
     }
 
     /// The lines within the face.
@@ -432,7 +447,7 @@ mod tests {
             let lines = scribbles(face, seed, [1, 3, 10, 50][seed as usize % 4]);
             // As lines of contacts are welded, and as those along which others pass through a face.
             let mut welded = Welded::new(&face, [0.003, 1e-9][seed as usize / 4 % 2], usize::MAX);
-            longest(lines).iter().for_each(|line| welded.add(line.ends));
+            welded.add_all(&long_first(lines));
             let Some(triangles) = triangulate(&face, welded.drawn()) else {
                 // Exact lines on needles may leave no way; they are then welded.
                 assert!(welded.drawn().is_empty() || welded.weld < 1e-6, "{face:?} {seed}");
@@ -498,8 +513,7 @@ mod tests {
             (vec![line((0.4, 0.3), (0.4, 0.151))], 3),
         ] {
             let mut welded = Welded::new(&face, 0.005, usize::MAX);
-            let lines = longest([vec![long], others.clone()].concat());
-            lines.iter().for_each(|line| welded.add(line.ends));
+            welded.add_all(&long_first([vec![long], others.clone()].concat()));
             assert_eq!(welded.drawn().len(), count, "{others:?}: {:?}", welded.drawn());
         }
     }

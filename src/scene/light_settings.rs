@@ -13,12 +13,12 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use super::beside::Beside;
-use super::light::{SPHERE, spot_solid_angle};
+use super::light::{SPHERE, check_power, spot_solid_angle};
 use super::photometry::luminance;
 use super::picture_file;
 use super::settings::Colour;
 use super::text::decode;
-use super::{Environment, IntensityTable, LARGEST, Light, Sky, SkyKind};
+use super::{Environment, IntensityTable, Light, Sky, SkyKind};
 
 #[derive(Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
@@ -379,9 +379,7 @@ fn one_of(amounts: &[Amount], colour: Option<&Colour>, efficacy: f64) -> Result<
         Power::Watts(watts) => watts.channels(),
         Power::Lumens(lumens) => vec![*lumens],
     };
-    if let Some(wrong) = numbers.into_iter().find(|x| !(0.0..=LARGEST).contains(x)) {
-        return Err(format!("{} {wrong} must be finite, at most {LARGEST:e}, and not negative", amount.key));
-    }
+    check_power(&numbers, numbers.len()).map_err(|message| format!("{} {message}", amount.key))?;
     match value {
         Power::Watts(_) if colour.is_some() => {
             Err(format!("{} has a colour of its own: give it as [r, g, b] and leave out colour", amount.key))

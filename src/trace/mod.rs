@@ -198,7 +198,7 @@ impl<'s> Tracer<'s> {
 
     /// Where a ray met a face, normalised frame.
     #[inline]
-    fn point(&self, hit: &Hit) -> DVec3 {
+    pub(crate) fn point(&self, hit: &Hit) -> DVec3 {
         let [a, b, c] = self.corners[hit.face as usize];
         let [u, v] = hit.barycentrics;
         a + (b - a) * u + (c - a) * v

@@ -197,20 +197,21 @@ fn settings_scale_colour_and_aim_a_luminaire() {
 
 #[test]
 fn broken_luminaires_are_named() {
-    let refused = |settings: &str, wanted: &[&str]| {
+    let refused = |settings: &str, line: usize, wanted: &[&str]| {
         let message = load("downlight", settings).unwrap_err();
-        for word in wanted.iter().chain(&["a.toml:", ": light"]) {
+        for word in wanted.iter().chain(&[format!("a.toml:{line}: light").as_str()]) {
             assert!(message.contains(word), "{word}: {message}");
         }
     };
-    refused("position = [0, 1, 0]", &["target or by direction"]);
-    refused("position = [0, 1, 0]\ndirection = [0, 0, 0]", &["direction"]);
-    refused("position = [0, 1, 0]\ndirection = [0, -1, 0]\nup = [0, 2, 0]", &["up"]);
+    refused("position = [0, 1, 0]", 1, &["target or by direction"]);
+    refused("position = [0, 1, 0]\ndirection = [0, 0, 0]", 5, &["direction"]);
+    refused("position = [0, 1, 0]\ndirection = [0, -1, 0]\nup = [0, 2, 0]", 1, &["up"]);
     refused(
         "position = [0, 1, 0]\ndirection = [0, -1, 0]\nscale = 1\nluminous_flux = 1",
+        1,
         &["one of the two"],
     );
-    refused("position = [0, 1, 0]\ndirection = [0, -1, 0]\nscale = -1", &["not negative"]);
+    refused("position = [0, 1, 0]\ndirection = [0, -1, 0]\nscale = -1", 1, &["not negative"]);
     let scratch = Scratch::with(&[("a.obj", OBJ), ("a.mtl", "newmtl m\nKd 0.5\n")]);
     let settings =
         "[[light]]\nkind = \"ies\"\nfile = \"lamp.ies\"\nposition = [0, 1, 0]\ndirection = [0, -1, 0]\n";

@@ -149,11 +149,9 @@ fn last_ray(tracer: &Tracer, start: Facet, seed: u64, path: u32) -> Option<Ray> 
             break;
         }
         let side = if lives < reflected { hit.side } else { hit.side.other() };
-        let [a, b, c] = *tracer.corners(face);
-        let [u, v] = hit.barycentrics;
         let frame = sampling::frame_around(tracer.normal(face, side));
         let direction = frame * sampling::cosine_hemisphere([x, y]);
-        ray = Ray { origin: a + (b - a) * u + (c - a) * v, direction, from: hit.face };
+        ray = Ray { origin: tracer.point(&hit), direction, from: hit.face };
     }
     None
 }

@@ -143,7 +143,7 @@ fn is_enclosed(tracer: &Tracer, place: DVec3, object: Option<u32>) -> bool {
         let mut ray = Ray { origin: place, direction, from: Ray::FREE };
         let next = || {
             let hit = tracer.closest_hit(&ray)?;
-            ray = Ray { origin: ray.origin + direction * hit.distance, direction, from: hit.face };
+            ray = Ray { origin: tracer.point(&hit), direction, from: hit.face };
             Some(hit.face as usize)
         };
         let met = std::iter::from_fn(next).take(MOST_CROSSINGS);

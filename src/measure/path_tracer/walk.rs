@@ -41,11 +41,9 @@ pub(super) struct Place<'t> {
 impl<'t> Place<'t> {
     /// Where a ray ended.
     pub fn of(tracer: &'t Tracer, hit: &Hit) -> Self {
-        let [a, b, c] = *tracer.corners(hit.face as usize);
-        let [u, v] = hit.barycentrics;
         Self {
             face: hit.face,
-            point: a + (b - a) * u + (c - a) * v,
+            point: tracer.point(hit),
             normal: tracer.normal(hit.face as usize, hit.side),
             coat: tracer.coat_of(hit.face),
         }
