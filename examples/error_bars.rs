@@ -12,9 +12,9 @@ use radiosity::measure::{self, ErrorBars, Goal, ReferenceRow, RelativeRms, Toler
 use radiosity::patches::{Basis, FaceRow, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::Scene;
-use radiosity::solve::{self, CgOptions, Solution};
+use radiosity::solve::{CgOptions, Problem, Solution};
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, Keep, LightOptions, Sources, TraceOptions, Transport};
+use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -99,11 +99,11 @@ impl Setting {
         let mut patches = Patches::new(tracer, &Tessellation { size, seed, ..Default::default() })?;
         let options = TraceOptions { rays: Some(rays), seed, basis, keep: Keep::Rays, ..Default::default() };
         let factors = FormFactors::trace(tracer, &mut patches, &options)?;
-        let (sources, solution) = solved(tracer, &patches, &factors, seed)?;
+        let (problem, solution) = solved(tracer, &patches, &factors, seed)?;
         let answered = began.elapsed().as_secs_f64();
-        let bars = ErrorBars::of(&patches, &factors, &sources, &solution, Progress::default())?;
+        let bars = ErrorBars::of(&patches, &problem, &solution, Progress::default())?;
         let more = began.elapsed().as_secs_f64() / answered - 1.0;
-        let faces = patches.average_by_face(&solution.means(basis).irradiance);
+        let faces = patches.average_by_face(&solution.means().irradiance);
         let error = RelativeRms::of(&faces, &self.reference).value;
         let covered = self.covered(&faces, &bars);
         let (estimate, bound) = (bars.budget.relative_rms, bars.budget.upper95);
@@ -173,10 +173,9 @@ fn solved(
     patches: &Patches,
     factors: &FormFactors,
     seed: u64,
-) -> Result<(Sources, Solution), Failure> {
-    let k = Transport::of(factors, patches)?;
+) -> Result<(Problem, Solution), Failure> {
     let light = LightOptions { rays: factors.rays(), seed, ..Default::default() };
-    let sources = Sources::trace(tracer, patches, factors.basis(), &light)?;
-    let solution = solve::conjugate_gradients(&k, &sources.right_hand_side(&k), &CgOptions::default())?;
-    Ok((sources.clone(), solution.under(&sources)))
+    let problem = Problem::new(tracer, patches, factors, &light)?;
+    let solution = problem.conjugate_gradients(&CgOptions::default())?;
+    Ok((problem, solution))
 }

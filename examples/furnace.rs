@@ -18,7 +18,7 @@ fn main() -> Result<(), radiosity::Error> {
     let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() })?;
     let options = TraceOptions { rays: Some(64), ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options)?;
-    let e = patches.sources();
+    let e = patches.emitted_radiance();
     let n = patches.len();
     println!("{n} patches, 64 rays each: rows close to {:.0e}\n", factors.exchange().closure_error());
 

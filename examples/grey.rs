@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Shares of the scene's own reflectance, by channel.
     let cases = [&[1.0][..], &[1.0; 3], &[1.0, 1.0, 0.8], &[1.0, 0.9, 0.8]];
-    let (grey, lamp) = (patches.reflectances(), patches.sources());
+    let (grey, lamp) = (patches.reflectances(), patches.emitted_radiance());
     let mut best = [[f64::INFINITY; 3]; 4];
     for _ in 0..ROUNDS {
         for (shares, best) in cases.iter().zip(&mut best) {

@@ -8,9 +8,9 @@ use std::time::Instant;
 use radiosity::measure::{ReferenceRow, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::Scene;
-use radiosity::solve::{self, CgOptions};
+use radiosity::solve::{CgOptions, Problem};
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, TraceOptions, Transport};
+use radiosity::transport::{FormFactors, LightOptions, TraceOptions};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
 
@@ -46,9 +46,8 @@ fn error(name: &str, size: PatchSize, rays: u32, basis: Basis) -> Result<f64, Bo
     let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() })?;
     let options = TraceOptions { basis, rays: Some(rays), ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options)?;
-    let k = Transport::of(&factors, &patches)?;
-    let e = basis.coefficients_of(&patches.sources());
-    let solution = solve::conjugate_gradients(&k, &e, &CgOptions::default())?.means(basis);
+    let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default())?;
+    let solution = problem.conjugate_gradients(&CgOptions::default())?.means();
     let seconds = start.elapsed().as_secs_f64();
     let rms = RelativeRms::of(&patches.average_by_face(&solution.irradiance), &reference);
     let (n, megabytes) = (patches.len(), factors.exchange().bytes() as f64 / 1e6);

@@ -4,10 +4,10 @@
 
 use radiosity::patches::{Patches, Tessellation};
 use radiosity::scene::Scene;
-use radiosity::solve::{self, NeumannOptions};
+use radiosity::solve::{NeumannOptions, Problem};
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, TraceOptions, Transport};
-use radiosity::{measure::Energy, output};
+use radiosity::transport::{FormFactors, LightOptions, TraceOptions};
+use radiosity::{measure::Energy, output, output::RenderOptions};
 
 fn main() -> Result<(), radiosity::Error> {
     let mut arguments = std::env::args().skip(1);
@@ -16,23 +16,23 @@ fn main() -> Result<(), radiosity::Error> {
     let tracer = Tracer::new(&scene);
     let mut patches = Patches::new(&tracer, &Tessellation::default())?;
     let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default())?;
-    let k = Transport::of(&factors, &patches)?;
-    let e = patches.sources();
+    let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default())?;
     println!("{}: {} patches, {} rays each", scene.name(), patches.len(), factors.rays());
 
-    let exact = solve::direct(&k, &Default::default())?.solve(&e);
+    let exact = problem.direct(&Default::default())?;
     for order in [0, 1, 2, 4, 8, 16] {
         let options = NeumannOptions { order, tolerance: 0.0, ..Default::default() };
-        let series = solve::neumann(&k, &e, &options)?.solution;
+        let series = problem.neumann(&options)?.solution;
         let error = (&series.radiance - &exact.radiance).amax() / exact.radiance.amax();
         println!("order {order:>2}: error {error:.1e}, guaranteed below {:.1e}", series.report.bound);
     }
-    let energy = Energy::new(&k, &e, &exact.radiance, tracer.frame().scale().powi(2));
+    let energy = Energy::of(&problem, &exact.radiance);
     println!("emitted {:.3?} W, energy imbalance {:.0e}", energy.emitted, energy.imbalance);
 
     if let Some(path) = arguments.next() {
         let camera = scene.camera().copied().unwrap_or_else(|| output::default_camera(&tracer, &patches));
-        let picture = output::render(&tracer, &patches, &exact.radiance, &camera, &Default::default())?;
+        let look = RenderOptions { carried: problem.carried(), ..Default::default() };
+        let picture = output::render(&tracer, &patches, &exact.radiance, &camera, &look)?;
         picture.save_png(path, picture.exposure())?;
     }
     Ok(())

@@ -8,9 +8,9 @@ use std::time::Instant;
 use radiosity::measure::{ReferenceRow, RelativeRms};
 use radiosity::patches::{Patches, Tessellation};
 use radiosity::scene::Scene;
-use radiosity::solve::{self, NeumannOptions, SolveOptions};
+use radiosity::solve::{NeumannOptions, Problem, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, TraceOptions, Transport};
+use radiosity::transport::{FormFactors, LightOptions, TraceOptions};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
 
@@ -24,10 +24,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let tracer = Tracer::new(&scene);
         let mut patches = Patches::new(&tracer, &Tessellation::default())?;
         let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default())?;
-        let k = Transport::of(&factors, &patches)?;
-        let e = patches.sources();
-        let solution = solve::solve(&k, &e, &SolveOptions::default())?;
-        solve::neumann(&k, &e, &NeumannOptions::default())?;
+        let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default())?;
+        let solution = problem.solve(&SolveOptions::default())?;
+        problem.neumann(&NeumannOptions::default())?;
         let seconds = start.elapsed().as_secs_f64();
         // What lands on a mirror is no patch's.
         reference.retain(|row| scene.is_diffuse(row.face));

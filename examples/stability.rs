@@ -126,7 +126,7 @@ fn measure(scene: &Scene, count: usize, rho: f64) -> Result<Vec<(Way, Found)>, r
         for method in [solve::Method::Direct, solve::Method::ConjugateGradients, solve::Method::Neumann] {
             let even = solved(&k, &everywhere, method)?;
             let uneven = solved(&k, &one_wall, method)?;
-            let mean = |x: &DMatrix<f64>| k.mass().sums().dot(&x.column(0));
+            let mean = |x: &DMatrix<f64>| k.mass().areas().dot(&x.column(0));
             let of_mean = (mean(&uneven.radiance) * (1.0 - rho) / mean(&one_wall) - 1.0).abs();
             let found = Found {
                 error: even.radiance.map(|l| (l * (1.0 - rho) - 1.0).abs()).max().max(of_mean),

@@ -8,7 +8,7 @@
 //! directly, or as the Neumann series, one bounce of light after another.
 //!
 //! ```
-//! use radiosity::{measure::*, output, patches::*, scene::Scene, solve, trace::Tracer, transport::*};
+//! use radiosity::{measure::*, output, patches::*, scene::Scene, solve::*, trace::Tracer, transport::*};
 //!
 //! # fn main() -> Result<(), radiosity::Error> {
 //! let scene = Scene::cornell_box(); // or Scene::load("room.obj")?
@@ -18,27 +18,27 @@
 //!
 //! // Geometry only: no reflectance, no lamp.
 //! let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default())?;
-//! // One bounce of light: K = diag(ρ) F.
-//! let k = Transport::of(&factors, &patches)?;
-//! let e = patches.sources();
+//! // One bounce of light, K = diag(ρ) F, and the light E that starts: lamps, lights without area, sky.
+//! let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default())?;
 //!
-//! // Factor once, solve for as many lamps as you like; or sum the series bounce by bounce.
-//! let exact = solve::direct(&k, &Default::default())?.solve(&e);
-//! let series = solve::neumann(&k, &e, &solve::NeumannOptions { order: 8, ..Default::default() })?;
+//! // Solve directly, or sum the series bounce by bounce.
+//! let exact = problem.direct(&DirectOptions::default())?;
+//! let series = problem.neumann(&NeumannOptions { order: 8, ..Default::default() })?;
 //! let difference = (&series.solution.radiance - &exact.radiance).amax() / exact.radiance.amax();
 //! assert!(difference < series.solution.report.bound);
 //!
-//! let energy = Energy::new(&k, &e, &exact.radiance, 1.0);
+//! let energy = Energy::of(&problem, &exact.radiance);
 //! assert!(energy.imbalance < 1e-12);
 //!
 //! // Ask an independent witness, who knows its own standard error.
 //! let budget = Budget { paths: Some(50_000), ..Default::default() };
 //! let truth = PathTracer::new(&tracer).irradiance(&patches, &PathOptions { budget, ..Default::default() })?;
-//! let difference = Difference::new(&exact.irradiance, &truth);
+//! let difference = Difference::new(&exact.means().irradiance, &truth);
 //! assert!(difference.rms < 0.1 && difference.bias.abs() < 0.02 + 3.0 * difference.bias_error);
 //!
 //! let camera = output::default_camera(&tracer, &patches);
-//! let options = output::RenderOptions { width: 80, height: 60, ..Default::default() };
+//! let carried = problem.carried();
+//! let options = output::RenderOptions { width: 80, height: 60, carried, ..Default::default() };
 //! let picture = output::render(&tracer, &patches, &exact.radiance, &camera, &options)?;
 //! # let folder = tempfile::tempdir().expect("a temporary folder");
 //! # let path = folder.path().join("cornell.png");
@@ -88,10 +88,9 @@
 //! Where a [texture](scene::Texture) varies ρ or Lₑ over a surface, patches have its mean; pictures show the
 //! texture itself.
 //!
-//! Scenes with [lights without area](scene::Light) or a [sky](scene::Sky) take
-//! [`Sources`](transport::Sources) for what starts in them: `let sources = Sources::trace(&tracer, &patches,
-//! factors.basis(), &LightOptions::default())?`, then `sources.right_hand_side(&k)` for E, and
-//! [`Solution::under`](solve::Solution::under) to add H₀ to the irradiance.
+//! A [`Problem`](solve::Problem) joins an operator and the light that starts: of a scene all of it, with
+//! [lights without area](scene::Light) and the [sky](scene::Sky), or [other
+//! sources](solve::Problem::under) in their place; solutions have H₀ in their irradiance.
 //! [`ReceiverRows`](transport::ReceiverRows) give the irradiance at points that are no patches.
 //!
 //! [`Plan`](transport::Plan) tells which effects a scene calls for; with a [`Forecast`](transport::Forecast)

@@ -14,11 +14,9 @@ use radiosity::measure::{Answer, Energy, ErrorBars, ErrorBudget, ErrorPart, Verd
 use radiosity::patches::{FaceRow, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Scene, Side};
-use radiosity::solve::{self, CgOptions, NeumannOptions, Solution};
+use radiosity::solve::{CgOptions, NeumannOptions, Problem, Solution};
 use radiosity::trace::Tracer;
-use radiosity::transport::{
-    FormFactors, Keep, LightOptions, Sources, TraceOptions, Transport, TransportError,
-};
+use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, TransportError};
 
 use super::generator::{Lift, RandomScene};
 
@@ -130,11 +128,11 @@ type Failure = Box<dyn std::error::Error>;
 fn test(random: &RandomScene, path: &Path, outcome: &mut Outcome) -> Result<(), Failure> {
     let scene = Scene::load(path)?;
     let seed = outcome.seed;
-    let base = Solved::of(&scene, BASE, seed, |k, sources, unit| {
-        outcome.broken.extend(energy_and_solvers(k, sources, unit));
+    let base = Solved::of(&scene, BASE, seed, |problem| {
+        outcome.broken.extend(energy_and_solvers(problem));
     })?;
     outcome.warnings = base.warnings.clone();
-    let fine = Solved::of(&scene, FINE, seed + 1, |_, _, _| {})?;
+    let fine = Solved::of(&scene, FINE, seed + 1, |_| {})?;
     let (apart, bound) = (fine.distance(&base, |_, _| true), base.budget.upper95 + fine.budget.upper95);
     if exceeds(apart, bound) {
         outcome.broken.push((Law::Bound, format!("{} apart, bounds {}", percent(apart), percent(bound))));
@@ -150,7 +148,7 @@ fn test(random: &RandomScene, path: &Path, outcome: &mut Outcome) -> Result<(), 
     if random.overlap.is_some() {
         let folder = tempfile::tempdir()?;
         let lifted = RandomScene::new(seed, Lift::Lifted).write(folder.path())?;
-        let lifted = Solved::of(&Scene::load(lifted)?, FINE, seed + 1, |_, _, _| {})?;
+        let lifted = Solved::of(&Scene::load(lifted)?, FINE, seed + 1, |_| {})?;
         // Between sheets that are apart there are two sides more, and white ones hold light there however
         // narrow the gap is.
         let apart = lifted.distance(&fine, |face, side| fine.has(face, side));
@@ -183,33 +181,29 @@ struct Solved {
 }
 
 impl Solved {
-    /// Solves a scene directly, and has `look` at the operator, its sources and its unit of area, m².
+    /// Solves a scene directly, and has `look` at the problem.
     fn of(
         scene: &Scene,
         (count, rays): (usize, u32),
         seed: u64,
-        look: impl FnOnce(&Transport, &Sources, f64),
+        look: impl FnOnce(&Problem),
     ) -> Result<Self, radiosity::Error> {
         let tracer = Tracer::new(scene);
         let size = PatchSize::Count(count);
         let mut patches = Patches::new(&tracer, &Tessellation { size, seed, ..Default::default() })?;
         let options = TraceOptions { rays: Some(rays), seed, keep: Keep::Rays, ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options)?;
-        let k = Transport::of(&factors, &patches)?;
         let light = LightOptions { seed, ..Default::default() };
-        let sources =
-            Sources::trace(&tracer, &patches, factors.basis(), &light).map_err(TransportError::from)?;
-        look(&k, &sources, tracer.frame().scale().powi(2));
-        let e = sources.right_hand_side(&k);
-        let solution = solve::direct(&k, &Default::default())?.solve(&e).under(&sources);
-        let bars = ErrorBars::of(&patches, &factors, &sources, &solution, Progress::default())?;
+        let problem = Problem::new(&tracer, &patches, &factors, &light)?;
+        look(&problem);
+        let solution = problem.direct(&Default::default())?;
+        let bars = ErrorBars::of(&patches, &problem, &solution, Progress::default())?;
         let verdict = Verdict::of(&Answer {
             tracer: &tracer,
             patches: &patches,
-            operator: &k,
-            sources: &sources,
+            problem: &problem,
             solution: &solution,
-            energy: &Energy::of(&k, &sources, &solution.radiance, patches.unit_of_area()),
+            energy: &Energy::of(&problem, &solution.radiance),
             budget: Some(&bars.budget),
             tolerance: TOLERANCE,
         });
@@ -255,38 +249,37 @@ impl Solved {
 }
 
 /// Solves by every solver, and tests the balance of energy and whether they agree.
-fn energy_and_solvers(k: &Transport, sources: &Sources, unit: f64) -> Vec<(Law, String)> {
-    let e = sources.right_hand_side(k);
-    let direct = match solve::direct(k, &Default::default()) {
-        Ok(factored) => factored.solve(&e),
+fn energy_and_solvers(problem: &Problem) -> Vec<(Law, String)> {
+    let direct = match problem.direct(&Default::default()) {
+        Ok(solution) => solution,
         Err(error) => return vec![(Law::Solved, error.to_string())],
     };
     let mut broken = Vec::new();
     // An identity to rounding, which what goes round amplifies.
-    let share = share_lost(k, sources, &direct.radiance);
-    let off = Energy::of(k, sources, &direct.radiance, unit).imbalance;
+    let share = share_lost(problem, &direct.radiance);
+    let off = Energy::of(problem, &direct.radiance).imbalance;
     let allowed = if share >= 1e-3 { 1e-9 } else { 1e-12 / share };
     if exceeds(off, allowed) {
         broken.push((Law::EnergyDirect, format!("{off:.1e} of {allowed:.0e}, {share:.1e} is lost a bounce")));
     }
     let mut compare = |found: &Solution| {
         let name = found.report.name;
-        let off = Energy::of(k, sources, &found.radiance, unit).imbalance;
+        let off = Energy::of(problem, &found.radiance).imbalance;
         if exceeds(off, 10.0 * TOLERANCE) {
             broken.push((Law::EnergyIterative, format!("{name}: {off:.1e}")));
         }
-        let apart = farthest(k, &found.irradiance, &direct.irradiance);
+        let apart = farthest(problem, &found.irradiance, &direct.irradiance);
         if exceeds(apart, 10.0 * TOLERANCE) {
             broken.push((Law::SolversAgree, format!("{name}: {apart:.1e} apart")));
         }
     };
     let mut failed = None;
-    match solve::conjugate_gradients(k, &e, &CgOptions { tolerance: TOLERANCE, ..Default::default() }) {
+    match problem.conjugate_gradients(&CgOptions { tolerance: TOLERANCE, ..Default::default() }) {
         Ok(found) => compare(&found),
         Err(error) => failed = Some(error),
     }
     let options = NeumannOptions { tolerance: TOLERANCE, ..Default::default() };
-    match solve::neumann(k, &e, &options) {
+    match problem.neumann(&options) {
         // A series that its cap ends says so.
         Ok(series) if series.order() == options.order => {}
         Ok(series) => compare(&series.solution),
@@ -298,19 +291,20 @@ fn energy_and_solvers(k: &Transport, sources: &Sources, unit: f64) -> Vec<(Law, 
 
 /// The share of light that is absorbed or escapes per bounce, the least over channels: emitted power by all
 /// that leaves.
-fn share_lost(k: &Transport, sources: &Sources, radiance: &DMatrix<f64>) -> f64 {
-    let leaves = radiance.column_iter().map(|column| PI * k.mass().sums().dot(&column));
-    let shares = sources.flux(k.mass()).into_iter().zip(leaves).map(|(starts, leaves)| starts / leaves);
+fn share_lost(problem: &Problem, radiance: &DMatrix<f64>) -> f64 {
+    let mass = problem.operator().mass();
+    let areas = mass.areas();
+    let leaves = radiance.column_iter().map(|column| PI * areas.dot(&column));
+    let shares = problem.sources().flux(mass).into_iter().zip(leaves).map(|(starts, leaves)| starts / leaves);
     shares.fold(1.0, f64::min)
 }
 
 /// The largest |ΔH_i| / max(H_i, 10⁻³ H_rms).
-fn farthest(k: &Transport, found: &DMatrix<f64>, known: &DMatrix<f64>) -> f64 {
-    let areas = k.mass().sums();
+fn farthest(problem: &Problem, found: &DMatrix<f64>, known: &DMatrix<f64>) -> f64 {
+    let mass = problem.operator().mass();
     let mut farthest = 0.0;
     for (found, known) in found.column_iter().zip(known.column_iter()) {
-        let squares: f64 = areas.iter().zip(known.iter()).map(|(area, h)| area * h * h).sum();
-        let typical = (squares / areas.sum()).sqrt();
+        let typical = mass.root_mean_square(known.as_view());
         for (found, known) in found.iter().zip(known.iter()).filter(|_| typical > 0.0) {
             let apart = (found - known).abs() / known.max(1e-3 * typical);
             farthest = if apart.is_nan() { f64::NAN } else { f64::max(farthest, apart) };

@@ -12,9 +12,9 @@ use serde::Serialize;
 use super::error_bars::{ErrorBars, ErrorBudget, ErrorPart, Insight, noise_at_most, slack_at_most};
 use super::{Answer, Energy, Level, MeasureError, Verdict};
 use crate::patches::{Basis, Cutter, PatchSize, Patches, Tessellation};
-use crate::solve::{CgOptions, conjugate_gradients};
+use crate::solve::{CgOptions, Problem};
 use crate::trace::Tracer;
-use crate::transport::{FormFactors, Keep, LightOptions, Sources, TraceOptions, Transport};
+use crate::transport::{FormFactors, Keep, LightOptions, TraceOptions};
 
 /// When an answer is good enough. With neither an error nor a time, the first is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -315,20 +315,18 @@ impl<'s> Search<'_, 's> {
         factors: FormFactors,
     ) -> Result<Attempt<'s>, MeasureError> {
         let progress = self.trace.progress;
-        let k = Transport::of(&factors, &patches)?;
         let (seed, caustics) = (self.trace.seed, self.trace.caustics);
-        let light = LightOptions { rays: factors.rays(), seed, caustics, progress };
-        let sources = Sources::trace(self.tracer, &patches, factors.basis(), &light)?;
+        let light = LightOptions { rays: factors.rays(), seed, caustics, progress, ..Default::default() };
+        let problem = Problem::new(self.tracer, &patches, &factors, &light)?;
         let options = CgOptions { progress, ..Default::default() };
-        let solution = conjugate_gradients(&k, &sources.right_hand_side(&k), &options)?.under(&sources);
-        let budget = ErrorBars::of(&patches, &factors, &sources, &solution, progress)?.budget;
+        let solution = problem.conjugate_gradients(&options)?;
+        let budget = ErrorBars::of(&patches, &problem, &solution, progress)?.budget;
         let verdict = Verdict::of(&Answer {
             tracer: self.tracer,
             patches: &patches,
-            operator: &k,
-            sources: &sources,
+            problem: &problem,
             solution: &solution,
-            energy: &Energy::of(&k, &sources, &solution.radiance, patches.unit_of_area()),
+            energy: &Energy::of(&problem, &solution.radiance),
             budget: Some(&budget),
             tolerance: options.tolerance,
         });

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
+use crate::solve::Problem;
 use crate::transport::{LampFlux, Sources, Transport};
 
 /// Radiant flux Φ by where it comes from and goes to, per channel, W; every term computed on its own.
@@ -34,13 +35,24 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// Accounts for emitted radiance `e` and radiance `l` (N × c) under operator `k`; `unit` is the
-    /// operator's unit of area in m².
+    /// Accounts for emitted radiance `e` and radiance `l` (N × c) under operator `k`.
     ///
     /// # Panics
     /// If `e` or `l` is not N × c.
-    pub fn new(k: &Transport, e: &DMatrix<f64>, l: &DMatrix<f64>, unit: f64) -> Self {
-        Self::of(k, &e.clone().into(), l, unit)
+    pub fn new(k: &Transport, e: &DMatrix<f64>, l: &DMatrix<f64>) -> Self {
+        Self::under(k, &e.clone().into(), l)
+    }
+
+    /// Accounts for radiance `l` (N × c) as the answer to a problem.
+    ///
+    /// # Panics
+    /// If `l` is not N × c.
+    pub fn of(problem: &Problem, l: &DMatrix<f64>) -> Self {
+        let (k, sources) = (problem.operator(), problem.sources());
+        match &sources.lamps {
+            Some(lamps) => Self::of_direct_light(k, sources, lamps),
+            None => Self::under(k, sources, l),
+        }
     }
 
     /// Accounts for direct light alone: the irradiance H₀ of `sources` on surfaces of the reflectances of
@@ -50,10 +62,8 @@ impl Energy {
     /// What arrives and what does not are estimated apart, by rays from either end. So the imbalance is Monte
     /// Carlo noise, of standard error `imbalance_error`; much more than that means that something is wrong.
     /// Of lights without area only what arrives is known, which adds nothing to the imbalance.
-    ///
-    /// # Panics
-    /// If the shapes differ.
-    pub fn of_direct_light(k: &Transport, (sources, lamps): (&Sources, &LampFlux), unit: f64) -> Self {
+    fn of_direct_light(k: &Transport, sources: &Sources, lamps: &LampFlux) -> Self {
+        let unit = k.mass().unit();
         let of_channels = |of: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..k.channels()).map(of).collect() };
         let (area, passed_on) = (k.mass().sums(), k.passed_on());
         let arrived = |i: usize, c: usize| sources.direct.as_ref().map_or(0.0, |h| area[i] * h[(i, c)]);
@@ -65,7 +75,7 @@ impl Energy {
         let [absorbed, reflected] = [weigh(&|passed_on| 1.0 - passed_on), weigh(&|passed_on| passed_on)];
         let [carriers, given_up] = kept(sources, k.channels(), unit);
         let mut energy = Self {
-            emitted: sources.flux(k.mass()).into_iter().map(|flux| unit * flux).collect(),
+            emitted: sources.flux(k.mass()),
             absorbed,
             escaped: of_channels(&|c| unit * lamps.escaped[c]),
             carriers: of_channels(&|c| carriers[c] + unit * lamps.absorbed[c]),
@@ -96,14 +106,9 @@ impl Energy {
         }
     }
 
-    /// The same with lights without area.
-    ///
-    /// # Panics
-    /// If the sources or `l` are not N × c.
-    pub fn of(k: &Transport, sources: &Sources, l: &DMatrix<f64>, unit: f64) -> Self {
-        if let Some(lamps) = &sources.lamps {
-            return Self::of_direct_light(k, (sources, lamps), unit);
-        }
+    /// Accounts for radiance `l` that lamps, lights without area and the sky cause.
+    fn under(k: &Transport, sources: &Sources, l: &DMatrix<f64>) -> Self {
+        let unit = k.mass().unit();
         let channels = k.channels();
         let mut irradiance = k.irradiance(l);
         if let Some(direct) = &sources.direct {
@@ -113,16 +118,16 @@ impl Energy {
         let weigh = |value: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
             (0..channels).map(|c| unit * (0..k.len()).map(|i| value(i, c)).sum::<f64>()).collect()
         };
-        let emitted: Vec<f64> = sources.flux(k.mass()).into_iter().map(|flux| unit * flux).collect();
+        let emitted = sources.flux(k.mass());
         let passed_on = k.passed_on();
         let absorbed = weigh(&|i, c| (1.0 - passed_on[(i, c)]) * area[i] * irradiance[(i, c)]);
-        let escaped = weigh(&|i, c| PI * k.exchange_of(c).escape(i) * l[(i, c)]);
-        let mut carriers = weigh(&|i, c| PI * k.exchange_of(c).absorbed(i) * l[(i, c)]);
-        let mut lost = weigh(&|i, c| PI * k.exchange_of(c).lost(i) * l[(i, c)]);
+        let escaped = weigh(&|i, c| PI * k.exchange_of(c).ends().escape(i) * l[(i, c)]);
+        let mut carriers = weigh(&|i, c| PI * k.exchange_of(c).ends().absorbed(i) * l[(i, c)]);
+        let mut lost = weigh(&|i, c| PI * k.exchange_of(c).ends().lost(i) * l[(i, c)]);
         for (sum, kept) in [&mut carriers, &mut lost].into_iter().zip(kept(sources, channels, unit)) {
             sum.iter_mut().zip(kept).for_each(|(sum, kept)| *sum += kept);
         }
-        let slack = weigh(&|i, c| PI * k.exchange_of(c).slack()[i] * l[(i, c)]);
+        let slack = weigh(&|i, c| PI * k.exchange_of(c).ends().slack[i] * l[(i, c)]);
         let mut energy =
             Self { emitted, absorbed, escaped, carriers, lost, slack, imbalance: 0.0, imbalance_error: 0.0 };
         energy.imbalance = (0..channels).map(|c| energy.imbalance_of(c)).fold(0.0, f64::max);

@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use super::table::{self, digits};
-use super::{Stage, to_rgb};
+use super::table::digits;
+use super::{Stage, table, to_rgb};
 use crate::measure::{AgreementTest, Comparison, MeshError, OrderRow, PathTraced, Verdict};
 use crate::patches::Patches;
 

@@ -136,8 +136,8 @@ impl<'a> FactorTable<'a> {
                 let found = self.row(a).iter().filter_map(|v| Some((v.to?, v)));
                 found.for_each(|(b, v)| f(b, FactorEntry::of(v, seeing)));
             }
-            Values::Patches(exchange) => exchange.for_row(a, |b, area| {
-                let form_factor = area / exchange.areas()[a];
+            Values::Patches(exchange) => exchange.for_entries(a, |b, area| {
+                let form_factor = area / exchange.sums()[a];
                 f(b, FactorEntry { form_factor, standard_error: None, upper95: None });
             }),
         }
@@ -177,7 +177,7 @@ impl<'a> FactorTable<'a> {
                 FactorEntry { form_factor: found.form_factor + blind, upper95, ..found }
             }
             Values::Patches(exchange) => {
-                let form_factor = exchange.escape(a) / exchange.areas()[a];
+                let form_factor = exchange.ends().escape(a) / exchange.sums()[a];
                 FactorEntry { form_factor, standard_error: None, upper95: None }
             }
         }
@@ -317,7 +317,8 @@ fn write_npz(file: &mut dyn Write, table: &FactorTable) -> io::Result<()> {
     } else {
         let patches = table.patches;
         npz.array("centre", &[size, 3], (0..size).map(|i| patches.centre(i).to_array()))?;
-        let mut by_channel = vec![("reflectance", patches.reflectances()), ("emission", patches.sources())];
+        let mut by_channel =
+            vec![("reflectance", patches.reflectances()), ("emission", patches.emitted_radiance())];
         by_channel.extend(patches.transmittances().map(|tau| ("transmittance", tau)));
         for (name, values) in by_channel {
             let rows = values.row_iter().map(|row| row.iter().copied().collect::<Vec<f64>>());

@@ -27,31 +27,29 @@ use std::path::PathBuf;
 
 use crate::progress::Cancelled;
 
-pub use self::comparison::{
+pub use comparison::{
     ComparisonSummary, DirectSummary, OrderSummary, ReferenceSummary, write_comparison_summary,
     write_comparison_table,
 };
-pub use self::figure::{
+pub use figure::{
     BouncePictures, ComparisonOptions, OrdersPlot, Quantity, SmallPlot, write_bounces, write_comparison,
     write_false_colours, write_knobs_plot, write_orders_plot, write_small_plots, write_study_plot,
 };
-pub use self::file::{Outputs, replace, spare};
-pub use self::form_factors::{FactorEntry, FactorFormat, FactorTable, write_form_factors};
-pub use self::image::{Outlines, RenderOptions, Shading, Surfaces, render};
-pub use self::mesh::write_ply;
-pub use self::photometry::{
+pub use file::{Outputs, replace, spare};
+pub use form_factors::{FactorEntry, FactorFormat, FactorTable, write_form_factors};
+pub use image::{Outlines, RenderOptions, Shading, Surfaces, render};
+pub use mesh::write_ply;
+pub use photometry::{
     Levels, Photometry, luminous, write_luminous_faces, write_luminous_patches, write_photometry,
     write_receivers,
 };
-pub use self::picture::{LampPart, Picture};
-pub use self::smooth::SmoothField;
-pub use self::study::{
-    StudySummary, read_study, write_study_reference, write_study_report, write_study_table,
-};
-pub use self::summary::{BounceSummary, EnergySummary, SeriesSummary, Stage, Summary, write_summary};
-pub use self::table::{write_faces, write_lamp_groups, write_patches};
-pub use self::tone::{Exposure, srgb, to_rgb};
-pub use self::view::default_camera;
+pub use picture::{LampPart, Picture};
+pub use smooth::SmoothField;
+pub use study::{StudySummary, read_study, write_study_reference, write_study_report, write_study_table};
+pub use summary::{BounceSummary, EnergySummary, SeriesSummary, Stage, Summary, write_summary};
+pub use table::{write_faces, write_lamp_groups, write_patches};
+pub use tone::{Exposure, srgb, to_rgb};
+pub use view::default_camera;
 
 /// Why a picture or mesh could not be made or written.
 #[derive(Debug, thiserror::Error)]

@@ -69,7 +69,7 @@ impl Photometry {
     pub fn of_surfaces(patches: &Patches, irradiance: &DMatrix<f64>, radiance: &DMatrix<f64>) -> Vec<Self> {
         let scene = patches.scene();
         let [lux, candelas] = [irradiance, radiance].map(|field| luminous(field, scene.efficacy()));
-        let emitted = luminous(&patches.sources(), scene.efficacy());
+        let emitted = luminous(&patches.emitted_radiance(), scene.efficacy());
         assert!(lux.len() == patches.len() && candelas.len() == patches.len(), "one row per patch");
         let groups = |kind, names: Vec<&str>, of: &dyn Fn(usize) -> u32| -> Vec<Self> {
             let mut members = vec![Vec::new(); names.len()];

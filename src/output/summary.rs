@@ -114,11 +114,11 @@ pub struct BounceSummary {
 }
 
 impl SeriesSummary {
-    /// Sums up a series beside another solver's solution; `unit` is the operator's unit of area in m².
-    pub fn new(series: &Series, solution: &Solution, unit: f64) -> Self {
+    /// Sums up a series beside another solver's solution.
+    pub fn new(series: &Series, solution: &Solution) -> Self {
         let bounces = series.bounces.iter().map(|b| BounceSummary {
             order: b.order,
-            flux: to_rgb(&b.flux).map(|flux| flux * unit),
+            flux: to_rgb(&b.flux),
             residual: b.residual,
             remaining_flux: b.remaining_flux,
             bound: b.bound,

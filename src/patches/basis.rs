@@ -77,7 +77,7 @@ mod tests {
         let scene = Scene::cornell_box();
         let patches = Patches::new(&Tracer::new(&scene), &Tessellation::default()).unwrap();
         for basis in [Basis::Constant, Basis::Linear] {
-            assert_eq!(Basis::of(&patches, &basis.coefficients_of(&patches.sources())), basis);
+            assert_eq!(Basis::of(&patches, &basis.coefficients_of(&patches.emitted_radiance())), basis);
         }
     }
 

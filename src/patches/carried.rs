@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::Patches;
 use super::sides::LOOK;
-use crate::trace::{Destination, Lights, Targets, Tint, Tracer, sampling::SEQUENCE_END, sampling::Stream};
+use crate::trace::sampling::{SEQUENCE_END, Stream};
+use crate::trace::{Destination, Lights, Targets, Tint, Tracer};
 
 /// Shots from each light for every slot, and the fewest.
 const SHOTS: u64 = 16;

@@ -239,8 +239,8 @@ fn bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{PatchSize, Tessellation};
     use super::*;
-    use crate::patches::{PatchSize, Tessellation};
     use crate::scene::Scene;
     use crate::trace::Tracer;
 

@@ -412,20 +412,31 @@ impl<'s> Patches<'s> {
         (sends_on && self.is_wanted(slot)) || (side == Side::Front && material.emits())
     }
 
-    /// Patch areas A in the normalised frame, n values; multiply by [`Frame::scale`] squared for m².
-    pub fn areas(&self) -> &[f64] {
+    /// Patch areas A, n values, m².
+    pub fn areas(&self) -> Vec<f64> {
+        (0..self.len()).map(|patch| self.area(patch)).collect()
+    }
+
+    /// Étendues by π, n values, m²: A n² (1 − Ē) in a medium of index of refraction n and under a coat of
+    /// plastic that reflects Ē, elsewhere the areas.
+    pub fn etendues(&self) -> Vec<f64> {
+        (0..self.len()).map(|patch| self.etendue(patch)).collect()
+    }
+
+    /// Patch areas in the normalised frame.
+    pub(crate) fn normalised_areas(&self) -> &[f64] {
         &self.areas
     }
 
     /// Étendues by π in the normalised frame, n values: A n² (1 − Ē) in a medium of index of refraction n and
     /// under a [coat](crate::trace::Coat), elsewhere the area. What a patch of radiance L, by n², sends out
     /// is π L times this.
-    pub fn etendues(&self) -> &[f64] {
+    pub(crate) fn normalised_etendues(&self) -> &[f64] {
         if self.per_area.is_empty() { &self.areas } else { &self.etendues }
     }
 
     /// The unit of area of the normalised frame, m².
-    pub fn unit_of_area(&self) -> f64 {
+    pub(crate) fn unit_of_area(&self) -> f64 {
         self.frame.scale().powi(2)
     }
 
@@ -436,7 +447,7 @@ impl<'s> Patches<'s> {
 
     /// Étendue of a patch by π, m²: see [`Patches::etendues`].
     pub fn etendue(&self, patch: usize) -> f64 {
-        self.etendues()[patch] * self.frame.scale().powi(2)
+        self.normalised_etendues()[patch] * self.frame.scale().powi(2)
     }
 
     /// For each slot whether another face covers it, told at its centre; nothing at all where no faces
@@ -504,7 +515,7 @@ impl<'s> Patches<'s> {
     }
 
     /// Emitted radiance Lₑ, n × c, W·sr⁻¹·m⁻²; where a texture varies it, its mean over the patch.
-    pub fn sources(&self) -> DMatrix<f64> {
+    pub fn emitted_radiance(&self) -> DMatrix<f64> {
         let scene = self.scene;
         let places: Vec<Slot> = (0..self.len()).map(|i| self.place(i)).collect();
         let mut emission = DMatrix::from_fn(self.len(), scene.channels(), |i, c| match places[i].side {
@@ -541,18 +552,18 @@ impl<'s> Patches<'s> {
     }
 
     /// Emitted radiance of each material's lamps by themselves; the sum over materials is
-    /// [`Patches::sources`].
-    pub fn sources_by_material(&self) -> Vec<LampGroup> {
-        let all = self.sources();
+    /// [`Patches::emitted_radiance`].
+    pub fn lamp_groups(&self) -> Vec<LampGroup> {
+        let all = self.emitted_radiance();
         let material_of = |i: usize| self.scene.faces()[self.place(i).face].material as usize;
         let of_patch: Vec<usize> = (0..self.len()).map(material_of).collect();
         let emitting = (0..self.scene.materials().len()).filter(|&m| self.scene.materials()[m].emits());
         let group = |m: usize| {
             let only = |i: usize, c: usize| if of_patch[i] == m { all[(i, c)] } else { 0.0 };
-            let sources = DMatrix::from_fn(all.nrows(), all.ncols(), only);
-            LampGroup { material: self.scene.materials()[m].name.clone(), sources }
+            let emitted = DMatrix::from_fn(all.nrows(), all.ncols(), only);
+            LampGroup { material: self.scene.materials()[m].name.clone(), emitted }
         };
-        emitting.map(group).filter(|group| group.sources.amax() > 0.0).collect()
+        emitting.map(group).filter(|group| group.emitted.amax() > 0.0).collect()
     }
 }
 
@@ -562,5 +573,5 @@ pub struct LampGroup {
     /// The material's name.
     pub material: String,
     /// Emitted radiance Lₑ of these lamps alone, n × c, W·sr⁻¹·m⁻².
-    pub sources: DMatrix<f64>,
+    pub emitted: DMatrix<f64>,
 }

@@ -401,8 +401,8 @@ fn triangulate(corners: &[DVec2; 3], lines: &[[DVec2; 2]]) -> Option<Vec<[DVec2;
 
 #[cfg(test)]
 mod tests {
+    use super::super::subdivide::{Cuts, Uncut};
     use super::*;
-    use crate::patches::subdivide::{Cuts, Uncut};
     use crate::trace::sampling::{Stream, uniform_triangle};
 
     /// A face of each kind: well-shaped, needle, cap.

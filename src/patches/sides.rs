@@ -13,7 +13,8 @@ use super::facing::seeing_sides;
 use super::{Patches, Slot, Tessellation};
 use crate::progress::Cancelled;
 use crate::scene::{Feature, Side};
-use crate::trace::{Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term, sampling::Stream};
+use crate::trace::sampling::Stream;
+use crate::trace::{Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term};
 
 /// Which sides become patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

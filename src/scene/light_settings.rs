@@ -15,10 +15,9 @@ use serde::Deserialize;
 use super::beside::Beside;
 use super::light::{SPHERE, check_power, spot_solid_angle};
 use super::photometry::luminance;
-use super::picture_file;
 use super::settings::Colour;
 use super::text::decode;
-use super::{Environment, IntensityTable, Light, Sky, SkyKind};
+use super::{Environment, IntensityTable, Light, Sky, SkyKind, picture_file};
 
 #[derive(Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]

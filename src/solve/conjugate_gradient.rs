@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 
 use super::stopping::{Answer, Goals, Rule};
-use super::symmetric::{self, Root};
-use super::{Amplification, Solution, SolveError, check_finite};
+use super::symmetric::Root;
+use super::{Amplification, Solution, SolveError, check_finite, symmetric};
 use crate::progress::Progress;
 use crate::transport::Transport;
 
@@ -87,7 +87,8 @@ pub fn conjugate_gradients(
     }
     let has_converged = excess <= 1.0 || rule.is_rounding(&answer);
     let report = answer.judge(k, e, (root.method(), passes), &amplification);
-    let solution = Solution { radiance: e + answer.reflected, irradiance: answer.irradiance, report };
+    let radiance = e + answer.reflected;
+    let solution = Solution { radiance, irradiance: answer.irradiance, basis: k.basis(), report };
     progress.at("solve", 1.0)?;
     check_finite(k, &solution.radiance)?;
     if !has_converged {

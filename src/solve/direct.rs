@@ -36,9 +36,8 @@ impl Default for DirectOptions<'_> {
 
 /// A factored operator, ready for any number of right-hand sides.
 #[derive(Debug)]
-pub struct Direct<'k> {
-    k: &'k Transport<'k>,
-    root: Root<'k>,
+pub struct Direct {
+    root: Root,
     /// One per distinct ρ and τ.
     factors: Vec<Factor>,
     /// Which factor a channel uses.
@@ -65,7 +64,7 @@ fn split() -> Par {
 ///
 /// # Errors
 /// `Memory`, `Singular` or `Cancelled`.
-pub fn direct<'k>(k: &'k Transport<'k>, options: &DirectOptions) -> Result<Direct<'k>, SolveError> {
+pub fn direct(k: &Transport, options: &DirectOptions) -> Result<Direct, SolveError> {
     let n = k.len();
     let (factor_of, distinct) = distinct_channels(k);
     let needed = factor_bytes(k);
@@ -82,30 +81,29 @@ pub fn direct<'k>(k: &'k Transport<'k>, options: &DirectOptions) -> Result<Direc
     let ones = DMatrix::repeat(n, k.channels(), 1.0);
     let amplification = match k.basis() {
         Basis::Constant => {
-            let reflected = back_substitute(k, &root, &factors, &factor_of, &ones);
+            let reflected = back_substitute(&root, &factors, &factor_of, &ones);
             Amplification::from_rough(k, ones + reflected)
         }
         Basis::Linear => Amplification::estimate(k, options.progress)?,
     };
-    Ok(Direct { k, root, factors, factor_of, amplification })
+    Ok(Direct { root, factors, factor_of, amplification })
 }
 
-impl Direct<'_> {
+impl Direct {
     /// Solves L = E + K L for one right-hand side E (N × c).
     ///
     /// # Panics
     /// If `e` is not N × c.
     pub fn solve(&self, e: &DMatrix<f64>) -> Solution {
-        assert_eq!(e.shape(), (self.k.len(), self.k.channels()), "the right-hand side is N × c");
-        let substitute =
-            |e: &DMatrix<f64>| back_substitute(self.k, &self.root, &self.factors, &self.factor_of, e);
-        let reflected = substitute(e);
+        let k = self.root.operator();
+        assert_eq!(e.shape(), (k.len(), k.channels()), "the right-hand side is N × c");
+        let reflected = self.substitute(e);
         // Refine once: solve for what the residual says is left.
-        let residual = self.k.reflect(&self.k.irradiance(&(e + &reflected))) - &reflected;
-        let reflected = reflected + &residual + substitute(&residual);
-        let answer = Answer::after(self.k, e, &reflected);
-        let report = answer.judge(self.k, e, ("direct", 0), &self.amplification);
-        Solution { radiance: e + answer.reflected, irradiance: answer.irradiance, report }
+        let residual = k.reflect(&k.irradiance(&(e + &reflected))) - &reflected;
+        let reflected = reflected + &residual + self.substitute(&residual);
+        let answer = Answer::after(k, e, &reflected);
+        let report = answer.judge(k, e, ("direct", 0), &self.amplification);
+        Solution { radiance: e + answer.reflected, irradiance: answer.irradiance, basis: k.basis(), report }
     }
 
     /// The irradiance of L = E + K L, as exact as the factors are: neither refined nor judged, for answers
@@ -114,8 +112,14 @@ impl Direct<'_> {
     /// # Panics
     /// If `e` is not N × c.
     pub(crate) fn irradiance(&self, e: &DMatrix<f64>) -> DMatrix<f64> {
-        assert_eq!(e.shape(), (self.k.len(), self.k.channels()), "the right-hand side is N × c");
-        self.k.irradiance(&(e + back_substitute(self.k, &self.root, &self.factors, &self.factor_of, e)))
+        let k = self.root.operator();
+        assert_eq!(e.shape(), (k.len(), k.channels()), "the right-hand side is N × c");
+        k.irradiance(&(e + self.substitute(e)))
+    }
+
+    /// R y of L = E + R y.
+    fn substitute(&self, e: &DMatrix<f64>) -> DMatrix<f64> {
+        back_substitute(&self.root, &self.factors, &self.factor_of, e)
     }
 
     /// Number of factorizations: one per distinct ρ.
@@ -204,13 +208,8 @@ fn signed(mut matrix: DMatrix<f64>, signs: &[i8]) -> Result<DMatrix<f64>, usize>
 }
 
 /// R y of L = E + R y, with y from the factors of its channel.
-fn back_substitute(
-    k: &Transport,
-    root: &Root,
-    factors: &[Factor],
-    factor_of: &[usize],
-    e: &DMatrix<f64>,
-) -> DMatrix<f64> {
+fn back_substitute(root: &Root, factors: &[Factor], factor_of: &[usize], e: &DMatrix<f64>) -> DMatrix<f64> {
+    let k = root.operator();
     let n = k.len();
     let mut y = DMatrix::zeros(n, e.ncols());
     k.through(e, &mut y);

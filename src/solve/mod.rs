@@ -29,6 +29,7 @@ mod conjugate_gradient;
 mod direct;
 mod minres;
 mod neumann;
+mod problem;
 mod stopping;
 mod symmetric;
 mod turns;
@@ -41,6 +42,7 @@ pub use conjugate_gradient::{CgOptions, conjugate_gradients};
 pub use direct::{Direct, DirectOptions, direct};
 pub(crate) use direct::{factor_bytes, is_quick};
 pub use neumann::{Bounce, NeumannOptions, Series, bounces, neumann};
+pub use problem::Problem;
 
 use crate::patches::Basis;
 use crate::progress::{Cancelled, Progress};
@@ -53,35 +55,28 @@ use crate::transport::{Sources, Transport, readable};
 pub struct Solution {
     /// Radiance L, N × c, W·sr⁻¹·m⁻². Row by row Lₑ + ρH/π, and on sheets τ/π times H of the other side more.
     pub radiance: DMatrix<f64>,
-    /// Irradiance H, N × c, W·m⁻²; less that by lights without area where [`Solution::under`] has not added
-    /// it.
+    /// Irradiance H, N × c, W·m⁻²: of a [`Problem`] all of it, of a solver by itself πFL, without that by
+    /// lights without area.
     pub irradiance: DMatrix<f64>,
+    /// How light varies over a patch.
+    pub basis: Basis,
     /// How it was found.
     pub report: Report,
 }
 
 impl Solution {
-    /// The solution under the lights of `sources` whose right-hand side was solved for: solvers find πFL, and
-    /// lights without area add H₀ to it.
-    ///
-    /// # Panics
-    /// If the sources are not of as many coefficients and channels.
-    pub fn under(mut self, sources: &Sources) -> Self {
+    /// The same with the irradiance H₀ by the lights of `sources`, whose right-hand side was solved for.
+    fn under(mut self, sources: &Sources) -> Self {
         if let Some(direct) = &sources.direct {
             self.irradiance += direct;
         }
         self
     }
 
-    /// The means over patches, n × c, of a solution by coefficients of this basis.
-    pub fn means(self, basis: Basis) -> Self {
-        match basis {
-            Basis::Constant => self,
-            Basis::Linear => {
-                let (radiance, irradiance) = (basis.means(&self.radiance), basis.means(&self.irradiance));
-                Self { radiance, irradiance, report: self.report }
-            }
-        }
+    /// The means over patches, n × c.
+    pub fn means(&self) -> Self {
+        let [radiance, irradiance] = [&self.radiance, &self.irradiance].map(|field| self.basis.means(field));
+        Self { radiance, irradiance, basis: Basis::Constant, report: self.report.clone() }
     }
 }
 
@@ -170,6 +165,18 @@ pub enum SolveError {
     Cancelled(#[from] Cancelled),
 }
 
+impl SolveError {
+    /// The same with the irradiance by lights without area in the best that was found.
+    fn under(self, sources: &Sources) -> Self {
+        match self {
+            Self::NotConverged { best, tolerance } => {
+                Self::NotConverged { best: Box::new(best.under(sources)), tolerance }
+            }
+            other => other,
+        }
+    }
+}
+
 /// Which solver to take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
@@ -228,13 +235,7 @@ pub fn solve(k: &Transport, e: &DMatrix<f64>, options: &SolveOptions) -> Result<
 }
 
 /// Solves L = E + K L for several right-hand sides; the direct solver factors once for all.
-///
-/// # Errors
-/// As the solver's own.
-///
-/// # Panics
-/// If some right-hand side is not N × c.
-pub fn solve_all(
+fn solve_all(
     k: &Transport,
     right_hand_sides: &[&DMatrix<f64>],
     options: &SolveOptions,

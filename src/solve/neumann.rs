@@ -36,8 +36,7 @@ impl Default for NeumannOptions<'_> {
 pub struct Bounce {
     /// k.
     pub order: usize,
-    /// Radiant flux that KᵏE adds, π Σ A KᵏE per channel, in units of W·m⁻² times the area unit of the
-    /// operator.
+    /// Radiant flux that KᵏE adds, π Σ A KᵏE per channel, W.
     pub flux: Vec<f64>,
     /// Relative residual of the sum up to here.
     pub residual: f64,
@@ -85,7 +84,10 @@ pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Res
         // M⁻¹S has negative entries, and K·1 tells nothing of its norm.
         Basis::Linear => vec![f64::INFINITY; k.channels()],
     };
-    let flux = |l: &DMatrix<f64>| l.column_iter().map(|column| PI * k.mass().sums().dot(&column)).collect();
+    let mass = k.mass();
+    let flux = |l: &DMatrix<f64>| {
+        l.column_iter().map(|column| PI * mass.sums().dot(&column) * mass.unit()).collect()
+    };
     // Order 0 has no irradiance by definition.
     let mut answer = Answer::new(k, e, DMatrix::zeros(k.len(), k.channels()));
     let mut added = e.clone();
@@ -117,7 +119,10 @@ pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Res
     options.progress.at("series", 1.0)?;
     let radiance = e + answer.reflected;
     check_finite(k, &radiance)?;
-    Ok(Series { solution: Solution { radiance, irradiance: answer.irradiance, report }, bounces })
+    Ok(Series {
+        solution: Solution { radiance, irradiance: answer.irradiance, basis: k.basis(), report },
+        bounces,
+    })
 }
 
 /// The first terms of the series by themselves: E, KE, … up to bounce `last`, n × c each.

@@ -105,8 +105,7 @@ fn missing(
     c: usize,
     [step, residual]: [DVectorView<f64>; 2],
 ) -> f64 {
-    let root_mean_square =
-        |x| (k.mass().norm(x).powi(2) / k.mass().sums().sum().max(f64::MIN_POSITIVE)).sqrt();
+    let root_mean_square = |x| k.mass().root_mean_square(x);
     let w = amplification.of(c);
     match amplification.certainty() {
         _ if residual.amax() == 0.0 => root_mean_square(step),
@@ -145,7 +144,7 @@ fn amplify(a: f64, b: f64) -> f64 {
 ///
 /// What rounding alone leaves is good enough, too: ‖s‖∞ ≤ 10⁻¹⁴ ‖H‖∞.
 pub(super) struct Rule<'a> {
-    k: &'a Transport<'a>,
+    k: &'a Transport,
     amplification: &'a Amplification,
     tolerance: f64,
     /// Φ per channel.
@@ -153,12 +152,7 @@ pub(super) struct Rule<'a> {
 }
 
 impl<'a> Rule<'a> {
-    pub fn new(
-        k: &'a Transport<'a>,
-        e: &DMatrix<f64>,
-        amplification: &'a Amplification,
-        tolerance: f64,
-    ) -> Self {
+    pub fn new(k: &'a Transport, e: &DMatrix<f64>, amplification: &'a Amplification, tolerance: f64) -> Self {
         let flux = e.column_iter().map(|column| flux(k, column)).collect();
         // Nothing is told of less.
         let tolerance = tolerance.max(f64::EPSILON);
@@ -196,7 +190,7 @@ impl<'a> Rule<'a> {
         if self.k.basis() == Basis::Linear || !only_adds || shrinks_by.is_nan() || shrinks_by >= 1.0 {
             return f64::INFINITY;
         }
-        let typical = self.typical(irradiance);
+        let typical = self.k.mass().root_mean_square(irradiance);
         let of_patch = |(step, h): (&f64, &f64)| {
             let yardstick = typical.min(BY_PATCH * h.max(DARK * typical));
             relative(step / (1.0 - shrinks_by), self.tolerance * yardstick)
@@ -226,14 +220,8 @@ impl<'a> Rule<'a> {
 
     /// The irradiance that the tolerance is a part of.
     fn yardstick(&self, irradiance: DVectorView<f64>) -> f64 {
-        let typical = self.typical(irradiance);
+        let typical = self.k.mass().root_mean_square(irradiance);
         typical.min(BY_PATCH * irradiance.min().max(DARK * typical))
-    }
-
-    /// H_rms.
-    fn typical(&self, irradiance: DVectorView<f64>) -> f64 {
-        let mass = self.k.mass();
-        (mass.norm(irradiance).powi(2) / mass.sums().sum().max(f64::MIN_POSITIVE)).sqrt()
     }
 }
 
@@ -247,7 +235,7 @@ struct Goal {
 
 /// What the residual of L has to fall below in every channel.
 pub(super) struct Goals<'a> {
-    k: &'a Transport<'a>,
+    k: &'a Transport,
     of: Vec<Goal>,
     /// How many times too large the worst was at first.
     at_start: Option<f64>,
@@ -255,7 +243,7 @@ pub(super) struct Goals<'a> {
 
 impl<'a> Goals<'a> {
     /// This part of what E is, both in flux and in ‖·‖∞.
-    pub fn relative(k: &'a Transport<'a>, e: &DMatrix<f64>, tolerance: f64) -> Self {
+    pub fn relative(k: &'a Transport, e: &DMatrix<f64>, tolerance: f64) -> Self {
         let goal = |column: DVectorView<f64>| Goal {
             flux: tolerance * flux(k, column),
             size: tolerance * column.amax(),

@@ -27,26 +27,26 @@ use crate::transport::Transport;
 
 /// R = √ρ M^(−½), or V |Λ|^½ M^(−½) on sheets.
 #[derive(Debug)]
-pub(super) struct Root<'k> {
-    k: &'k Transport<'k>,
+pub(super) struct Root {
+    k: Transport,
     /// √(|λ| / M·1), N × c; λ is ρ but on sheets.
     scale: DMatrix<f64>,
     turns: Option<Turns>,
 }
 
-impl<'k> Root<'k> {
-    pub fn new(k: &'k Transport<'k>) -> Self {
+impl Root {
+    pub fn new(k: &Transport) -> Self {
         let turns = k.sheets().map(|sheets| Turns::new(k.reflectance(), sheets));
         let mut scale = turns.as_ref().map_or_else(|| k.reflectance().clone(), Turns::sizes);
         for mut column in scale.column_iter_mut() {
             column.zip_apply(k.mass().sums(), |rho, sum| *rho = (*rho / sum).sqrt());
         }
-        Self { k, scale, turns }
+        Self { k: k.clone(), scale, turns }
     }
 
     /// The operator whose root this is.
-    pub fn operator(&self) -> &Transport<'k> {
-        self.k
+    pub fn operator(&self) -> &Transport {
+        &self.k
     }
 
     /// R x.
@@ -116,7 +116,7 @@ impl<'k> Root<'k> {
         matrix.as_mut_slice().par_chunks_mut(each * n).enumerate().for_each(|(patch, columns)| {
             for (a, column) in columns.chunks_mut(n).enumerate() {
                 let j = each * patch + a;
-                self.k.exchange_of(channel).for_row(j, |i, exchange| column[i] -= s[i] * exchange * s[j]);
+                self.k.exchange_of(channel).for_entries(j, |i, exchange| column[i] -= s[i] * exchange * s[j]);
                 // From the left ...
                 self.k.mass().inverse_root(column);
             }

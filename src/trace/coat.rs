@@ -123,8 +123,8 @@ fn reflected(alpha: f64, index: f64, cosine: f64) -> f64 {
 mod tests {
     use std::f64::consts::PI;
 
+    use super::super::sampling::{Stream, cosine_hemisphere};
     use super::*;
-    use crate::trace::sampling::{Stream, cosine_hemisphere};
 
     const COATS: [(f64, f64); 6] = [(0.0, 1.5), (0.0, 2.5), (0.2, 1.5), (0.5, 1.5), (1.0, 1.33), (1.0, 2.0)];
     const COSINES: [f64; 7] = [0.003, 0.02, 0.1, 0.3, 0.6, 0.9, 1.0];

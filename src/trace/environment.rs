@@ -99,9 +99,9 @@ fn chance(cumulative: &[f64], k: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sampling::Stream;
     use super::*;
     use crate::scene::Pixels;
-    use crate::trace::sampling::Stream;
 
     /// Pictures with a smooth side, a dark side and one very bright texel.
     fn environment() -> Environment {

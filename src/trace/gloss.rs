@@ -227,8 +227,8 @@ fn node(k: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sampling::{Stream, cosine_hemisphere};
     use super::*;
-    use crate::trace::sampling::{Stream, cosine_hemisphere};
 
     const ROUGHNESS: [f64; 5] = [0.05, 0.2, 0.5, 0.8, 1.0];
     const COSINES: [f64; 6] = [0.02, 0.1, 0.3, 0.6, 0.9, 1.0];

@@ -120,8 +120,8 @@ pub fn geometry_term((p, normal): (DVec3, DVec3), (q, other): (DVec3, DVec3)) ->
 
 #[cfg(test)]
 mod tests {
+    use super::super::sampling::{Stream, uniform_triangle};
     use super::*;
-    use crate::trace::sampling::{Stream, uniform_triangle};
 
     #[test]
     fn lamberts_formula_is_the_integral_of_the_geometry_term() {

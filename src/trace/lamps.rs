@@ -296,10 +296,10 @@ fn accumulate(weights: impl Iterator<Item = f64>) -> Arc<[f64]> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::geometry_term;
+    use super::super::sampling::Stream;
     use super::*;
     use crate::scene::Scene;
-    use crate::trace::geometry_term;
-    use crate::trace::sampling::Stream;
 
     #[test]
     fn points_are_drawn_with_their_density() {

@@ -275,9 +275,9 @@ pub fn solid_angle(point: DVec3, corners: &[DVec3; 3]) -> f64 {
 mod tests {
     use std::f64::consts::PI;
 
+    use super::super::sampling::{Stream, uniform_triangle};
     use super::*;
     use crate::scene::{Material, Scene, SceneParts};
-    use crate::trace::sampling::{Stream, uniform_triangle};
 
     fn scene(lights: Vec<Light>) -> Scene {
         let corners = [[-2.0, 0.0, -2.0], [0.0, 0.0, 2.0], [2.0, 0.0, -2.0]];

@@ -356,9 +356,9 @@ pub fn fresnel(cosine: f64, ratio: f64) -> f64 {
 mod tests {
     use glam::DVec3;
 
+    use super::super::sampling::{Stream, cosine_hemisphere};
     use super::*;
     use crate::scene::{Face, FaceState, Material, Scene, SceneParts};
-    use crate::trace::sampling::{Stream, cosine_hemisphere};
 
     /// A triangle in the plane z = 0 that fronts towards +z.
     fn sheet(material: Material) -> Scene {

@@ -166,8 +166,8 @@ fn in_cell(cell: usize, [u, v]: [f64; 2]) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sampling::Stream;
     use super::*;
-    use crate::trace::sampling::Stream;
 
     fn skies() -> [SkySampler; 3] {
         let sun = DVec3::new(0.5, 0.4, 0.1).normalize();

@@ -5,68 +5,29 @@
 //! [`Transport`] adds the reflectances and is the operator that the solvers invert. The two stay apart so
 //! that other reflectances, lamps and lamp powers cost no rays.
 
-mod agreement;
-mod assembly;
-mod balance;
-mod blocks;
-mod carried_light;
-mod caustics;
-mod crossings;
-mod density;
-mod direct_light;
 mod exchange;
-mod forecast;
 mod form_factors;
-mod groups;
-mod lamp_columns;
-mod lamp_flux;
 mod lanczos;
-mod landing;
-mod mass;
-mod merged;
-mod moments;
-mod more_rays;
 mod operator;
 mod plan;
-mod polygons;
-mod rays;
-mod receivers;
-mod recipe;
 mod reflection;
-mod saved;
-mod sections;
-mod shrinkage;
+mod rows;
 mod solvable;
-mod sound;
 mod sources;
-mod spread;
-mod storage;
-mod switches;
-mod tones;
-mod variation;
 
-pub use agreement::{DISAGREE, Disagreement};
-pub use balance::Closure;
-pub use blocks::Blocks;
-pub use carried_light::CarriedLight;
-pub use exchange::Exchange;
-pub(crate) use forecast::is_quickly_factored;
-pub use forecast::{Cost, Forecast, Solving, StageCost, Work};
-pub use form_factors::{FormFactors, Keep, Occlusion, TraceOptions};
-pub use groups::{GroupFactor, Unmet};
-pub use lamp_flux::LampFlux;
+pub use exchange::{Blocks, Closure, Exchange, Mass, Storage, StorageKind};
+pub use form_factors::{
+    DISAGREE, Disagreement, FactorsFileError, FormFactors, GroupFactor, Keep, Occlusion, Reuse, Spread,
+    TraceOptions, Unmet,
+};
 pub(crate) use lanczos::{ends_of_spectrum, uneven};
-pub use mass::Mass;
 pub use operator::Transport;
-pub use plan::{Effect, Plan};
-pub use receivers::ReceiverRows;
+pub(crate) use plan::is_quickly_factored;
+pub use plan::{Cost, Effect, Forecast, Plan, Solving, StageCost, Switches, SwitchesError, Work};
 pub use reflection::Reflection;
-pub use saved::Reuse;
-pub use sections::FactorsFileError;
-pub use sources::{LightOptions, Sources};
-pub use spread::Spread;
-pub use storage::{Storage, StorageKind};
-pub use switches::{Shots, Switches, SwitchesError};
+pub use rows::Shots;
+pub(crate) use sources::LampFlux;
+pub use sources::{CarriedLight, LightOptions, ReceiverRows, Sources};
 
 use crate::patches::PatchError;
 use crate::progress::Cancelled;

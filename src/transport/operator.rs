@@ -2,12 +2,14 @@
 //! but for sheets that let light through.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::exchange::Exchange;
-use super::mass::Mass;
-use super::{FormFactors, Reflection, TransportError, solvable};
+use super::exchange::{Exchange, Mass};
+use super::form_factors::FormFactors;
+use super::reflection::Reflection;
+use super::{TransportError, solvable};
 use crate::patches::{Basis, Patches, Sheets};
 
 /// What rounding may add to shares that come to 1.
@@ -17,15 +19,15 @@ const ROUNDING: f64 = 1e-12;
 /// through sheets.
 ///
 /// It acts on coefficients, N × c: N is the number of patches n, or 3n for linear elements, where F stands
-/// for M⁻¹S.
+/// for M⁻¹S. Clones share what is large.
 #[derive(Clone, Debug)]
-pub struct Transport<'f> {
-    factors: &'f FormFactors,
+pub struct Transport {
+    factors: FormFactors,
     /// By coefficients.
-    reflection: Reflection,
+    reflection: Arc<Reflection>,
 }
 
-impl<'f> Transport<'f> {
+impl Transport {
     /// Joins form factors and what patches do with light: reflectances ρ (n × c), perhaps with sheets.
     ///
     /// # Errors
@@ -34,7 +36,7 @@ impl<'f> Transport<'f> {
     ///
     /// # Panics
     /// If there are not n reflectances, if a ρ or τ lies outside 0 to 1, or if they come to more than 1.
-    pub fn new(factors: &'f FormFactors, reflection: impl Into<Reflection>) -> Result<Self, TransportError> {
+    pub fn new(factors: &FormFactors, reflection: impl Into<Reflection>) -> Result<Self, TransportError> {
         Self::named(factors, reflection.into(), |i| format!("patch {i}"))
     }
 
@@ -42,13 +44,13 @@ impl<'f> Transport<'f> {
     ///
     /// # Errors
     /// `Unsolvable`, naming the materials of a set of patches that sees only itself and reflects everything.
-    pub fn of(factors: &'f FormFactors, patches: &Patches) -> Result<Self, TransportError> {
+    pub fn of(factors: &FormFactors, patches: &Patches) -> Result<Self, TransportError> {
         let name = |i: usize| patches.scene().material_of(patches.place(i).face).name.clone();
         Self::named(factors, Reflection::of(patches), name)
     }
 
     fn named(
-        factors: &'f FormFactors,
+        factors: &FormFactors,
         reflection: Reflection,
         name: impl Fn(usize) -> String,
     ) -> Result<Self, TransportError> {
@@ -61,7 +63,8 @@ impl<'f> Transport<'f> {
         assert!(fits, "reflectance and transmittance come to no more than 1");
         let basis = factors.basis();
         let each = basis.coefficients();
-        let k = Self { factors, reflection: reflection.by_coefficients(basis) };
+        let reflection = Arc::new(reflection.by_coefficients(basis));
+        let k = Self { factors: factors.clone(), reflection };
         if let Some(trapped) = solvable::trapped(&k) {
             let mut materials: Vec<String> = trapped.into_iter().map(|i| name(i / each)).collect();
             materials.sort();
@@ -87,17 +90,17 @@ impl<'f> Transport<'f> {
     }
 
     /// The form factors.
-    pub fn factors(&self) -> &'f FormFactors {
-        self.factors
+    pub fn factors(&self) -> &FormFactors {
+        &self.factors
     }
 
     /// Exchange areas S; of the first channel, where coloured carriers make channels differ.
-    pub fn exchange(&self) -> &'f Exchange {
+    pub fn exchange(&self) -> &Exchange {
         self.factors.exchange()
     }
 
     /// Exchange areas S of a channel.
-    pub fn exchange_of(&self, channel: usize) -> &'f Exchange {
+    pub fn exchange_of(&self, channel: usize) -> &Exchange {
         self.factors.exchange_of(channel)
     }
 
@@ -106,8 +109,8 @@ impl<'f> Transport<'f> {
         self.factors.tone_of(channel)
     }
 
-    /// y ← S x, each channel by its own exchange areas, overwriting y; N × c.
-    pub fn through(&self, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
+    /// y ← S x, each channel by its own exchange areas, overwriting y; N × c, in the unit of the mass.
+    pub(crate) fn through(&self, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
         if let [exchange] = self.factors.exchanges() {
             return exchange.apply(x, y);
         }
@@ -120,7 +123,7 @@ impl<'f> Transport<'f> {
         }
     }
 
-    /// The mass M of the basis functions, normalised frame.
+    /// The mass M of the basis functions.
     pub fn mass(&self) -> &Mass {
         self.exchange().mass()
     }

@@ -2,7 +2,8 @@
 //! numbers, not absorbed in the scene. A row without any entry traps nothing, though: what it lacks is all of
 //! it.
 
-use super::{Exchange, Transport};
+use super::exchange::Exchange;
+use super::operator::Transport;
 
 /// A share that rounding alone can leave of nothing.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -26,14 +27,14 @@ pub(super) fn trapped(k: &Transport) -> Option<Vec<usize>> {
             while at < set.len() {
                 for i in light.leaves_by(set[at]) {
                     let mut is_empty = true;
-                    light.exchange.for_row(i, |j, _| {
+                    light.exchange.for_entries(i, |j, _| {
                         is_empty = false;
                         loses |= absorbs(j);
                         if std::mem::take(&mut unvisited[j]) {
                             set.push(j);
                         }
                     });
-                    loses |= is_empty || light.exchange.leaving()[i] > 0.0;
+                    loses |= is_empty || light.exchange.ends().leaving[i] > 0.0;
                 }
                 at += 1;
             }
@@ -44,7 +45,7 @@ pub(super) fn trapped(k: &Transport) -> Option<Vec<usize>> {
 
 /// Light in one channel.
 struct Light<'a> {
-    k: &'a Transport<'a>,
+    k: &'a Transport,
     exchange: &'a Exchange,
     channel: usize,
     /// Per coefficient, the other side of its sheet if light comes through; empty without sheets.

@@ -55,9 +55,9 @@ fn a_furnace_stays_a_furnace_around_mirrors_and_glass_that_absorb_nothing() {
             let options = TraceOptions { rays: Some(256), basis, ..Default::default() };
             let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
             let k = Transport::of(&factors, &patches).unwrap();
-            let e = basis.coefficients_of(&patches.sources());
+            let e = basis.coefficients_of(&patches.emitted_radiance());
             let solution = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&e);
-            let energy = Energy::new(&k, &e, &solution.radiance, 1.0);
+            let energy = Energy::new(&k, &e, &solution.radiance);
             assert!(energy.imbalance < 1e-9, "{energy:?}");
             assert_eq!((energy.carriers[0], energy.escaped[0]), (0.0, 0.0), "{energy:?}");
             // What was given up on the way is all that can be missing.
@@ -188,7 +188,7 @@ fn error_against(name: &str, scene: &Scene, object: Option<&str>) -> f64 {
     let mut patches = Patches::new(&tracer, &Tessellation::default()).unwrap();
     let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
     let k = Transport::of(&factors, &patches).unwrap();
-    let solution = solve::solve(&k, &patches.sources(), &SolveOptions::default()).unwrap();
+    let solution = solve::solve(&k, &patches.emitted_radiance(), &SolveOptions::default()).unwrap();
     let of_object = |face: usize| {
         object.is_none_or(|object| scene.objects()[scene.faces()[face].object as usize] == object)
     };
@@ -226,7 +226,7 @@ fn every_shading_shows_the_lamp_behind_the_camera_in_the_mirror_before_it() {
     let camera = Camera { position: DVec3::Z, target: DVec3::new(0.1, 0.0, 2.0), up: DVec3::Y, fov: 10.0 };
     for shading in [Shading::Flat, Shading::Smooth, Shading::Gather, Shading::Path] {
         let options = RenderOptions { width: 8, height: 6, shading, samples: 4, ..Default::default() };
-        let picture = render(&tracer, &patches, &patches.sources(), &camera, &options).unwrap();
+        let picture = render(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap();
         for pixel in &picture.pixels {
             for (seen, shown) in pixel.iter().zip([1.0f32, 0.6, 0.35]) {
                 assert!((seen - shown).abs() < 1e-5, "{shading:?}: {pixel:?}");

@@ -71,7 +71,7 @@ fn answer(scene: &Scene, count: usize, rays: u32) -> Vec<[Option<(f64, f64)>; 2]
     assert!(factors.exchange().closure().after < 1e-12, "{:?}", factors.exchange().closure());
     assert_eq!(factors.disagreements(), [], "both directions of every pair agree");
     let k = Transport::of(&factors, &patches).unwrap();
-    let sources: Sources = patches.sources().into();
+    let sources: Sources = patches.emitted_radiance().into();
     let solution = solve::solve(&k, &sources.right_hand_side(&k), &SolveOptions::default()).unwrap();
     let mut sums = vec![[None; 2]; scene.faces().len() / 2];
     for row in patches.average_by_face(&solution.irradiance) {

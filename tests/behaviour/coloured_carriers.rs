@@ -47,9 +47,9 @@ fn every_channel_agrees_with_light_paths_in_a_room_of_coloured_mirrors_or_metal(
                     .unwrap();
             assert_eq!(factors.exchanges().len(), 3);
             let k = Transport::of(&factors, &patches).unwrap();
-            let e = basis.coefficients_of(&patches.sources());
+            let e = basis.coefficients_of(&patches.emitted_radiance());
             let solution = solve::solve(&k, &e, &SolveOptions::default()).unwrap();
-            let energy = Energy::new(&k, &e, &solution.radiance, 1.0);
+            let energy = Energy::new(&k, &e, &solution.radiance);
             assert!(energy.imbalance < 1e-5 && energy.carriers[2] > 1.5 * energy.carriers[0], "{energy:?}");
             // All solvers are of one mind.
             let by = |method| {
@@ -63,7 +63,7 @@ fn every_channel_agrees_with_light_paths_in_a_room_of_coloured_mirrors_or_metal(
             let traced = PathTracer::new(&tracer)
                 .irradiance(&patches, &PathOptions { budget, ..Default::default() })
                 .unwrap();
-            let irradiance = solution.means(basis).irradiance;
+            let irradiance = solution.means().irradiance;
             // Channel by channel: the mean of their colours would be off by more than a tenth.
             for c in 0..3 {
                 let sum = |f: &dyn Fn(usize) -> f64| (0..traced.len()).map(f).sum::<f64>();
@@ -89,7 +89,7 @@ fn a_channel_is_what_it_would_be_in_a_room_of_its_own_colour() {
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
         let k = Transport::of(&factors, &patches).unwrap();
         let tones = factors.exchanges().len();
-        (tones, solve::solve(&k, &patches.sources(), &SolveOptions::default()).unwrap().irradiance)
+        (tones, solve::solve(&k, &patches.emitted_radiance(), &SolveOptions::default()).unwrap().irradiance)
     };
     let (three, all) = solved(&[0.9, 0.5, 0.9, 0.2]);
     assert_eq!(three, 3);
@@ -113,9 +113,9 @@ fn a_furnace_around_coloured_glass_balances_in_every_channel() {
         let options = TraceOptions { rays: Some(256), basis, ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
         let k = Transport::of(&factors, &patches).unwrap();
-        let e = basis.coefficients_of(&patches.sources());
+        let e = basis.coefficients_of(&patches.emitted_radiance());
         let solution = solve::solve(&k, &e, &SolveOptions::default()).unwrap();
-        let energy = Energy::new(&k, &e, &solution.radiance, 1.0);
+        let energy = Energy::new(&k, &e, &solution.radiance);
         assert!(energy.imbalance < 1e-6, "{energy:?}");
         let [clear, pale, dark] = [0, 1, 2].map(|c| energy.carriers[c]);
         assert!(clear == 0.0 && 0.0 < pale && pale < dark, "{energy:?}");
@@ -143,9 +143,7 @@ fn saved_form_factors_hold_every_tone() {
         assert!(reuse.balanced && read.exchanges().len() == 3);
         let through = |factors: &FormFactors, patches: &Patches| {
             let k = Transport::of(factors, patches).unwrap();
-            let mut y = DMatrix::zeros(k.len(), 3);
-            k.through(&DMatrix::from_fn(k.len(), 3, |i, c| ((i * 7 + c) % 5) as f64), &mut y);
-            y
+            k.irradiance(&DMatrix::from_fn(k.len(), 3, |i, c| ((i * 7 + c) % 5) as f64))
         };
         assert_eq!(through(&factors, &patches), through(&read, &again));
         // Rays too: what is saved again is the same to the last bit.
@@ -176,7 +174,7 @@ fn a_receiver_takes_each_channel_as_the_mirror_colours_it() {
     };
     let options = LightOptions { rays: 2048, ..Default::default() };
     let rows = ReceiverRows::trace(&tracer, &patches, Basis::Constant, &receiver, &options).unwrap();
-    let irradiance = rows.irradiance(&patches.sources());
+    let irradiance = rows.irradiance(&patches.emitted_radiance());
     for (c, part) in colour.into_iter().enumerate() {
         let mean = irradiance.column(c).mean() / std::f64::consts::PI;
         assert!((mean / part - 1.0).abs() < 0.005, "{c}: {mean}");

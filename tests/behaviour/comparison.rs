@@ -7,7 +7,7 @@ use radiosity::measure::{
 };
 use radiosity::patches::{PatchSize, Patches, Tessellation};
 use radiosity::scene::Scene;
-use radiosity::solve::{self, Amplification, CgOptions};
+use radiosity::solve::{self, Amplification, CgOptions, Problem};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
@@ -40,7 +40,9 @@ impl<'s> Case<'s> {
     /// Irradiance with reflectances that are off by a factor.
     fn solve(&self, factor: f64) -> DMatrix<f64> {
         let k = Transport::new(&self.factors, self.patches.reflectances() * factor).unwrap();
-        solve::conjugate_gradients(&k, &self.patches.sources(), &CgOptions::default()).unwrap().irradiance
+        solve::conjugate_gradients(&k, &self.patches.emitted_radiance(), &CgOptions::default())
+            .unwrap()
+            .irradiance
     }
 
     fn compare(&self, irradiance: &DMatrix<f64>) -> Comparison {
@@ -111,13 +113,12 @@ fn orders_come_within_their_bounds_of_the_direct_solution() {
     for name in ["cornell_box", "two_rooms", "facing_plates", "furnace_sphere"] {
         let scene = mesh(name);
         let case = Case::new(&scene, 400, 10_000, 0);
-        let k = Transport::of(&case.factors, &case.patches).unwrap();
-        let e = case.patches.sources();
-        let direct = solve::direct(&k, &Default::default()).unwrap().solve(&e).irradiance;
-        let amplification = Amplification::new(&k, &CgOptions::default()).unwrap();
+        let problem =
+            Problem::unlit(&case.patches, &case.factors).unwrap().under(case.patches.emitted_radiance());
+        let direct = problem.direct(&Default::default()).unwrap().irradiance;
+        let amplification = Amplification::new(problem.operator(), &CgOptions::default()).unwrap();
         let options = OrderOptions { tolerance: 1e-8, ..Default::default() };
-        let rows =
-            OrderRow::all(&k, &e.clone().into(), &direct, &case.reference, &amplification, &options).unwrap();
+        let rows = OrderRow::all(&problem, &direct, &case.reference, &amplification, &options).unwrap();
         assert!((rows[0].vs_direct - 1.0).abs() < 1e-12, "order 0 has no irradiance");
         assert!((rows[0].vs_reference.bias + 1.0).abs() < 1e-12);
         for row in &rows {

@@ -38,7 +38,7 @@ fn between(patches: &Patches, factors: &FormFactors, from: &[usize], to: &[usize
         (0..patches.len()).filter(|&i| faces.contains(&patches.place(i).face)).collect()
     };
     let (from, to) = (of(from), of(to));
-    let area: f64 = from.iter().map(|&i| patches.areas()[i]).sum();
+    let area: f64 = from.iter().map(|&i| patches.area(i)).sum();
     let sum = |&i: &usize| to.iter().map(|&j| factors.exchange().exchange_area(i, j)).sum::<f64>();
     from.iter().map(sum).sum::<f64>() / area
 }
@@ -72,7 +72,7 @@ fn a_furnace_without_rays_is_exact_at_every_order() {
         assert!(closure.before < 1e-5 && closure.after < 1e-11, "{name}: {closure:?}");
         assert_eq!(exact.exchange().reciprocity_error(), 0.0);
         let k = Transport::of(&exact, &patches).unwrap();
-        let e = patches.sources();
+        let e = patches.emitted_radiance();
         let (rho, emitted) = (k.reflectance()[0], e[0]);
         let solution =
             solve::solve(&k, &e, &SolveOptions { tolerance: 1e-12, ..Default::default() }).unwrap();
@@ -91,7 +91,7 @@ fn rays_converge_to_what_needs_none() {
     let solved = |options: &TraceOptions| {
         let (patches, factors) = factors(&scene, 600, options);
         let k = Transport::of(&factors, &patches).unwrap();
-        let solution = solve::solve(&k, &patches.sources(), &SolveOptions::default()).unwrap();
+        let solution = solve::solve(&k, &patches.emitted_radiance(), &SolveOptions::default()).unwrap();
         (factors.rays(), solution.irradiance)
     };
     let (none, exact) = solved(&TraceOptions::default());

@@ -6,9 +6,9 @@ use nalgebra::DMatrix;
 use radiosity::measure::Energy;
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Feature, Material, Scene, SceneParts, Side, Sky, SkyKind, luminance};
-use radiosity::solve::{self, SolveOptions};
+use radiosity::solve::{Problem, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, LightOptions, Shots, Sources, Switches, TraceOptions, Transport};
+use radiosity::transport::{FormFactors, LightOptions, Shots, Sources, Switches, TraceOptions};
 
 use crate::scenes::{flipped, lit_quads, quads, room};
 
@@ -45,10 +45,8 @@ fn irradiance(scene: &Scene, options: &TraceOptions) -> DMatrix<f64> {
     let tracer = Tracer::new(scene);
     let mut patches = cut(&tracer, 400);
     let factors = FormFactors::trace(&tracer, &mut patches, options).unwrap();
-    let k = Transport::of(&factors, &patches).unwrap();
-    let sources = Sources::trace(&tracer, &patches, options.basis, &LightOptions::default()).unwrap();
-    let solution = solve::solve(&k, &sources.right_hand_side(&k), &SolveOptions::default()).unwrap();
-    solution.under(&sources).means(options.basis).irradiance
+    let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
+    problem.solve(&SolveOptions::default()).unwrap().means().irradiance
 }
 
 /// F between parallel unit squares at distance 1 (Howell C-11).
@@ -66,44 +64,37 @@ fn without_interreflection_there_is_what_lamps_send_straight_and_what_of_it_is_r
         quads(&plates, vec![lamp, Material::diffuse("plate", &[0.8])]).without(Feature::Interreflection);
     let tracer = Tracer::new(&scene);
     for basis in BASES {
-        let options = TraceOptions { basis, ..Default::default() };
         let patches = cut(&tracer, 200);
         let factors = FormFactors::none(&patches, basis);
-        let k = Transport::of(&factors, &patches).unwrap();
-        let lights = Sources::trace(&tracer, &patches, basis, &LightOptions::default()).unwrap();
-        let sources = lights.clone().with_lamps(&tracer, &patches, &options).unwrap();
-        let e = sources.right_hand_side(&k);
-        let solution = solve::solve(&k, &e, &SolveOptions::default()).unwrap().under(&sources);
+        let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
+        let solution = problem.solve(&SolveOptions::default()).unwrap();
         assert!(solution.report.residual == 0.0 && factors.exchange().closure_error() == 0.0);
         // The plate gets F of the lamp's light, and the lamp nothing back.
-        let areas = k.mass().sums();
+        let k = problem.operator();
+        let areas = k.mass().areas();
         let arrived = areas.dot(&solution.irradiance.column(0));
         let plate: f64 =
-            (0..patches.len()).filter(|&i| patches.place(i).face > 1).map(|i| patches.areas()[i]).sum();
+            (0..patches.len()).filter(|&i| patches.place(i).face > 1).map(|i| patches.area(i)).sum();
         let form_factor = arrived / (PI * 2.0 * plate);
         assert!((form_factor / facing() - 1.0).abs() < 2e-3, "{basis:?}: {form_factor}");
         // Each place reflects of it what it reflects.
-        let reflected = k.reflect(&solution.irradiance) + &lights.emitted;
+        let reflected = k.reflect(&solution.irradiance) + &problem.sources().emitted;
         assert!((reflected - &solution.radiance).amax() < 1e-14);
-        let energy = energy_of_direct_light(&k, &sources);
+        let energy = Energy::of(&problem, &solution.radiance);
         assert!((energy.lost[0] / (energy.lost[0] + energy.absorbed[0]) - 0.8).abs() < 1e-12, "{energy:?}");
     }
 }
 
-fn energy_of_direct_light(k: &Transport, sources: &Sources) -> Energy {
-    Energy::of_direct_light(k, (sources, sources.lamps.as_ref().unwrap()), 1.0)
-}
-
-/// The same of a scene that is cut into some 400 patches, under a seed.
+/// The energy of direct light in a scene that is cut into some 400 patches, under a seed.
 fn direct_energy(scene: &Scene, basis: Basis, seed: u64) -> Energy {
     let tracer = Tracer::new(scene);
     let patches = cut(&tracer, 400);
     let factors = FormFactors::none(&patches, basis);
-    let k = Transport::of(&factors, &patches).unwrap();
-    let lights = LightOptions { seed, ..Default::default() };
-    let lights = Sources::trace(&tracer, &patches, basis, &lights).unwrap();
-    let options = TraceOptions { basis, seed, ..Default::default() };
-    energy_of_direct_light(&k, &lights.with_lamps(&tracer, &patches, &options).unwrap())
+    let light = LightOptions { seed, ..Default::default() };
+    let sources = Sources::trace(&tracer, &patches, basis, &light).unwrap();
+    let sources = sources.with_lamps(&tracer, &patches, basis, &light).unwrap();
+    let problem = Problem::unlit(&patches, &factors).unwrap().under(sources);
+    Energy::of(&problem, problem.right_hand_side())
 }
 
 #[test]
@@ -159,8 +150,9 @@ fn without_interreflection_light_is_as_among_black_surfaces() {
     let expected = irradiance(&dark, &options);
     let tracer = Tracer::new(&dark);
     let patches = cut(&tracer, 400);
-    let lights = Sources::trace(&tracer, &patches, Basis::Constant, &LightOptions::default()).unwrap();
-    let direct = lights.with_lamps(&tracer, &patches, &options).unwrap().direct.unwrap();
+    let light = LightOptions { lamp_rays: options.lamp_rays, ..Default::default() };
+    let lights = Sources::trace(&tracer, &patches, Basis::Constant, &light).unwrap();
+    let direct = lights.with_lamps(&tracer, &patches, Basis::Constant, &light).unwrap().direct.unwrap();
     let off = (&direct - &expected).norm() / expected.norm();
     assert!(off < 0.01, "{off}");
 }
@@ -173,8 +165,9 @@ fn direct_light_arrives_in_every_one_of_many_bands() {
     let scene = quads(&plates, vec![lamp, Material::diffuse("plate", &[0.8; 5])]);
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, 50);
-    let lights = Sources::trace(&tracer, &patches, Basis::Constant, &LightOptions::default()).unwrap();
-    let direct = lights.with_lamps(&tracer, &patches, &TraceOptions::default()).unwrap().direct.unwrap();
+    let light = LightOptions::default();
+    let lights = Sources::trace(&tracer, &patches, Basis::Constant, &light).unwrap();
+    let direct = lights.with_lamps(&tracer, &patches, Basis::Constant, &light).unwrap().direct.unwrap();
     for c in 1..5 {
         let off = (direct.column(c) - direct.column(0) * (c + 1) as f64).amax();
         assert!(off < 1e-12 * direct.amax(), "band {c}: {off}");

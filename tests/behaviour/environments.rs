@@ -11,9 +11,9 @@ use radiosity::measure::{Budget, Difference, Energy, PathOptions, PathTracer};
 use radiosity::output::{RenderOptions, Shading, render};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Camera, Environment, Light, Material, Pixels, Scene, Sky, SkyKind, luminance};
-use radiosity::solve;
+use radiosity::solve::Problem;
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions, Transport};
+use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
 use crate::scenes::{lit_quads, room};
 use crate::scratch::Scratch;
@@ -112,12 +112,10 @@ fn solved<'s>(tracer: &Tracer<'s>, count: usize) -> (Solved<'s>, f64) {
     let size = PatchSize::Count(count);
     let mut patches = Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap();
     let factors = FormFactors::trace(tracer, &mut patches, &TraceOptions::default()).unwrap();
-    let k = Transport::of(&factors, &patches).unwrap();
     let options = LightOptions { rays: 1024, ..Default::default() };
-    let sources = Sources::trace(tracer, &patches, Basis::Constant, &options).unwrap();
-    let solution = solve::solve(&k, &sources.right_hand_side(&k), &Default::default()).unwrap();
-    let imbalance = Energy::of(&k, &sources, &solution.radiance, 1.0).imbalance;
-    let solution = solution.under(&sources);
+    let problem = Problem::new(tracer, &patches, &factors, &options).unwrap();
+    let solution = problem.solve(&Default::default()).unwrap();
+    let imbalance = Energy::of(&problem, &solution.radiance).imbalance;
     (Solved { patches, irradiance: solution.irradiance, radiance: solution.radiance }, imbalance)
 }
 

@@ -8,11 +8,9 @@ use radiosity::measure::{
 use radiosity::patches::{Basis, FaceRow, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Material, Scene};
-use radiosity::solve::{self, CgOptions, Solution};
+use radiosity::solve::{CgOptions, Problem, Solution};
 use radiosity::trace::Tracer;
-use radiosity::transport::{
-    FormFactors, Keep, LightOptions, Sources, TraceOptions, Transport, TransportError,
-};
+use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, TransportError};
 
 use crate::scenes::{flipped, quads, room};
 
@@ -22,10 +20,10 @@ struct Answer {
     bars: ErrorBars,
 }
 
-fn solved(patches: &Patches, factors: &FormFactors, sources: &Sources) -> Solution {
-    let k = Transport::of(factors, patches).unwrap();
-    let e = sources.right_hand_side(&k);
-    solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap().under(sources)
+fn solved(tracer: &Tracer, patches: &Patches, factors: &FormFactors) -> (Problem, Solution) {
+    let problem = Problem::new(tracer, patches, factors, &LightOptions::default()).unwrap();
+    let solution = problem.conjugate_gradients(&CgOptions::default()).unwrap();
+    (problem, solution)
 }
 
 fn answer(tracer: &Tracer, count: usize, rays: u32, seed: u64, basis: Basis) -> Answer {
@@ -35,10 +33,10 @@ fn answer(tracer: &Tracer, count: usize, rays: u32, seed: u64, basis: Basis) -> 
     let options = TraceOptions { rays: Some(rays), seed, basis, keep: Keep::Rays, ..Default::default() };
     let factors = FormFactors::trace(tracer, &mut patches, &options).unwrap();
     let light = LightOptions { rays, seed, ..Default::default() };
-    let sources = Sources::trace(tracer, &patches, basis, &light).unwrap();
-    let solution = solved(&patches, &factors, &sources);
-    let bars = ErrorBars::of(&patches, &factors, &sources, &solution, Progress::default()).unwrap();
-    Answer { faces: patches.average_by_face(&solution.means(basis).irradiance), bars }
+    let problem = Problem::new(tracer, &patches, &factors, &light).unwrap();
+    let solution = problem.conjugate_gradients(&CgOptions::default()).unwrap();
+    let bars = ErrorBars::of(&patches, &problem, &solution, Progress::default()).unwrap();
+    Answer { faces: patches.average_by_face(&solution.means().irradiance), bars }
 }
 
 fn data(name: &str) -> (Scene, Vec<ReferenceRow>) {
@@ -190,8 +188,7 @@ fn an_accuracy_that_is_asked_for_is_reached() {
     assert_eq!(found.ending, Ending::Reached);
     let last = found.steps.iter().map(|step| step.upper95).fold(f64::INFINITY, f64::min);
     assert!(last <= 0.005, "{:?}", found.steps);
-    let sources = Sources::from(found.patches.sources());
-    let solution = solved(&found.patches, &found.factors, &sources);
+    let (_, solution) = solved(&tracer, &found.patches, &found.factors);
     let rms = RelativeRms::of(&found.patches.average_by_face(&solution.irradiance), &reference);
     assert!(rms.value < 0.005, "{rms:?}");
     assert!(found.steps[0].patches < found.patches.len());
@@ -223,11 +220,9 @@ fn more_rays_are_as_good_as_having_sent_them_at_once() {
     let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
     let trace = |rays, seed| TraceOptions { rays: Some(rays), seed, keep: Keep::Rays, ..Default::default() };
     let few = FormFactors::trace(&tracer, &mut patches, &trace(64, 1)).unwrap();
-    let sources = Sources::from(patches.sources());
     let noise = |patches: &Patches, factors: &FormFactors| {
-        let solution = solved(patches, factors, &sources);
-        let budget =
-            ErrorBars::of(patches, factors, &sources, &solution, Progress::default()).unwrap().budget;
+        let (problem, solution) = solved(&tracer, patches, factors);
+        let budget = ErrorBars::of(patches, &problem, &solution, Progress::default()).unwrap().budget;
         (solution.irradiance, budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS)))
     };
     let (_, before) = noise(&patches, &few);
@@ -263,8 +258,7 @@ fn without_rays_there_are_no_error_bars() {
     let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
     let options = TraceOptions { rays: Some(32), ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
-    let sources = Sources::from(patches.sources());
-    let solution = solved(&patches, &factors, &sources);
-    let refused = ErrorBars::of(&patches, &factors, &sources, &solution, Progress::default());
+    let (problem, solution) = solved(&tracer, &patches, &factors);
+    let refused = ErrorBars::of(&patches, &problem, &solution, Progress::default());
     assert!(matches!(refused, Err(MeasureError::Transport(TransportError::NoRays))));
 }

@@ -43,9 +43,9 @@ fn a_furnace_stays_a_furnace_around_white_metal_of_any_roughness() {
             let options = TraceOptions { rays: Some(256), basis, ..Default::default() };
             let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
             let k = Transport::of(&factors, &patches).unwrap();
-            let e = basis.coefficients_of(&patches.sources());
+            let e = basis.coefficients_of(&patches.emitted_radiance());
             let solution = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&e);
-            let energy = Energy::new(&k, &e, &solution.radiance, 1.0);
+            let energy = Energy::new(&k, &e, &solution.radiance);
             assert!(energy.imbalance < 1e-9, "{energy:?}");
             assert_eq!([energy.carriers[0], energy.escaped[0], energy.lost[0]], [0.0; 3], "{energy:?}");
             let off = solution.radiance.map(|l| (l - 2.0).abs()).max();
@@ -78,7 +78,7 @@ pub(crate) fn difference_in_a_room(material: Material, is_of_block: bool) -> Dif
     let mut patches = cut(&tracer, PatchSize::Count(1500));
     let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
     let k = Transport::of(&factors, &patches).unwrap();
-    let solution = solve::solve(&k, &patches.sources(), &SolveOptions::default()).unwrap();
+    let solution = solve::solve(&k, &patches.emitted_radiance(), &SolveOptions::default()).unwrap();
     let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(600_000)).unwrap();
     Difference::new(&solution.irradiance, &traced)
 }
@@ -97,7 +97,7 @@ fn every_shading_shows_a_furnace_in_rough_metal_as_bright_as_the_furnace() {
     let scene = furnace_with(Material::conductor("metal", 0.5, &[1.0]));
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Edge(0.5));
-    let radiance = patches.sources() * 2.0;
+    let radiance = patches.emitted_radiance() * 2.0;
     let camera = Camera {
         position: [0.15, 0.5, 0.5].into(),
         target: [0.5, 0.3, 0.4].into(),
@@ -131,7 +131,7 @@ fn a_lamp_shines_in_rough_metal_as_bright_in_every_shading() {
     };
     let seen = |shading, samples| {
         let options = RenderOptions { width: 16, height: 12, shading, samples, ..Default::default() };
-        let picture = render(&tracer, &patches, &patches.sources(), &camera, &options).unwrap();
+        let picture = render(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap();
         picture.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / 192.0
     };
     let reference = seen(Shading::Path, 1024);

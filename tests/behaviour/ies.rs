@@ -6,10 +6,10 @@ use nalgebra::DMatrix;
 use radiosity::measure::{Budget, Difference, Energy, PathOptions, PathTracer};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{IntensityTable, Light, Material, Receiver, Scene};
-use radiosity::solve;
+use radiosity::solve::Problem;
 use radiosity::trace::Tracer;
 use radiosity::trace::sampling::Stream;
-use radiosity::transport::{FormFactors, LightOptions, ReceiverRows, Sources, TraceOptions, Transport};
+use radiosity::transport::{FormFactors, LightOptions, ReceiverRows, Sources, TraceOptions};
 
 use crate::scenes::{lit_quads, room};
 use crate::scratch::Scratch;
@@ -162,10 +162,9 @@ fn light_paths_and_energy_agree_under_luminaires() {
     let size = PatchSize::Count(2000);
     let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
     let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
-    let k = Transport::of(&factors, &patches).unwrap();
-    let sources = Sources::trace(&tracer, &patches, Basis::Constant, &LightOptions::default()).unwrap();
-    let solution = solve::solve(&k, &sources.right_hand_side(&k), &Default::default()).unwrap();
-    let energy = Energy::of(&k, &sources, &solution.radiance, tracer.frame().scale().powi(2));
+    let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
+    let solution = problem.solve(&Default::default()).unwrap();
+    let energy = Energy::of(&problem, &solution.radiance);
     assert!(energy.imbalance < 1e-5, "{energy:?}");
     // A closed room gets all that luminaires send.
     let sent = (table("wallwasher").flux() + table("batwing").flux()) / EFFICACY;
@@ -173,7 +172,7 @@ fn light_paths_and_energy_agree_under_luminaires() {
     let budget = Budget { paths: Some(200_000), ..Default::default() };
     let truth =
         PathTracer::new(&tracer).irradiance(&patches, &PathOptions { budget, ..Default::default() }).unwrap();
-    let difference = Difference::new(&solution.under(&sources).irradiance, &truth);
+    let difference = Difference::new(&solution.irradiance, &truth);
     assert!(
         difference.rms < 0.01 && difference.bias.abs() < 0.001 + 3.0 * difference.bias_error,
         "{difference:?}"

@@ -32,7 +32,7 @@ fn irradiance(scene: &Scene, rays: u32, lamp_rays: u32, seed: u64) -> f64 {
     let options = TraceOptions { rays: Some(rays), lamp_rays: Some(lamp_rays), seed, ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
     let k = Transport::of(&factors, &patches).unwrap();
-    let h = k.irradiance(&patches.sources());
+    let h = k.irradiance(&patches.emitted_radiance());
     let faces = patches.average_by_face(&h);
     faces.iter().filter(|f| [12, 13].contains(&f.face)).map(|f| f.mean[0]).sum::<f64>() / 2.0
 }
@@ -72,7 +72,7 @@ fn where_everything_emits_light_sampling_changes_nothing() {
         let options = TraceOptions { rays: Some(64), lamp_rays: Some(lamp_rays), ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
         let k = Transport::of(&factors, &patches).unwrap();
-        solve::solve(&k, &patches.sources(), &Default::default()).unwrap().radiance
+        solve::solve(&k, &patches.emitted_radiance(), &Default::default()).unwrap().radiance
     };
     assert_eq!(solved(0), solved(64));
 }

@@ -7,9 +7,9 @@ use nalgebra::DMatrix;
 use radiosity::measure::{Budget, Energy, PathOptions, PathTracer, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Light, Material, Scene, SceneError, Side, Sky, SkyKind};
-use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions};
+use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Problem};
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions, Transport};
+use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
 use crate::scenes::{lit_quads, room};
 use crate::scratch::Scratch;
@@ -229,66 +229,55 @@ fn daylit_room() -> Scene {
     lit_quads(&room_with_window(), grey(0.6), lights, Some(Sky { ground: 0.2, ..sky(kind, 5.0) }))
 }
 
-fn solved<'s>(
-    scene: &'s Scene,
-    count: usize,
-    basis: Basis,
-) -> (Tracer<'s>, Patches<'s>, FormFactors, Sources) {
+fn problem(scene: &Scene, count: usize, basis: Basis) -> (Tracer<'_>, Patches<'_>, Problem) {
     let tracer = Tracer::new(scene);
     let mut patches = cut(&tracer, PatchSize::Count(count));
     let options = TraceOptions { rays: Some(128), basis, ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
-    let sources = Sources::trace(&tracer, &patches, basis, &LightOptions::default()).unwrap();
-    (tracer, patches, factors, sources)
+    let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
+    (tracer, patches, problem)
 }
 
 #[test]
 fn radiance_is_emission_and_reflected_irradiance_under_lights_without_area_too() {
     let scene = daylit_room();
     for basis in BASES {
-        let (_, patches, factors, sources) = solved(&scene, 400, basis);
-        let k = Transport::of(&factors, &patches).unwrap();
-        let e = sources.right_hand_side(&k);
+        let (_, _, problem) = problem(&scene, 400, basis);
         let cg = CgOptions { tolerance: 1e-11, ..Default::default() };
-        let answers = [
-            solve::direct(&k, &DirectOptions::default()).unwrap().solve(&e),
-            solve::conjugate_gradients(&k, &e, &cg).unwrap(),
-        ];
+        let answers =
+            [problem.direct(&DirectOptions::default()).unwrap(), problem.conjugate_gradients(&cg).unwrap()];
         let orders = (0..4).map(|order| {
             let options = NeumannOptions { order, tolerance: 0.0, ..Default::default() };
-            solve::neumann(&k, &e, &options).unwrap().solution
+            problem.neumann(&options).unwrap().solution
         });
         for solution in answers.iter().cloned().chain(orders) {
-            let solution = solution.under(&sources);
-            let composed = &sources.emitted + k.reflect(&solution.irradiance);
+            let composed = &problem.sources().emitted + problem.operator().reflect(&solution.irradiance);
             let off = (&composed - &solution.radiance).amax() / solution.radiance.amax();
             assert!(off < 1e-14, "{basis:?} {}: {off}", solution.report.name);
         }
-        let energy = Energy::of(&k, &sources, &answers[0].radiance, 1.0);
+        let energy = Energy::of(&problem, &answers[0].radiance);
         assert!(energy.imbalance < 1e-9 && energy.emitted[0] > 0.0, "{basis:?} {energy:?}");
-        let order_0 =
-            solve::neumann(&k, &e, &NeumannOptions { order: 0, tolerance: 0.0, ..Default::default() });
-        assert_eq!(order_0.unwrap().solution.under(&sources).irradiance, sources.direct.clone().unwrap());
+        let order_0 = NeumannOptions { order: 0, tolerance: 0.0, ..Default::default() };
+        let order_0 = problem.neumann(&order_0).unwrap().solution;
+        assert_eq!(Some(order_0.irradiance), problem.sources().direct);
     }
 }
 
 #[test]
 fn the_path_tracer_finds_the_same_light_by_its_own_samples() {
     let scene = daylit_room();
-    let (tracer, patches, factors, sources) = solved(&scene, 6000, Basis::Constant);
-    let k = Transport::of(&factors, &patches).unwrap();
-    let solution =
-        solve::conjugate_gradients(&k, &sources.right_hand_side(&k), &CgOptions::default()).unwrap();
-    let faces = patches.average_by_face(&solution.under(&sources).irradiance);
+    let (tracer, patches, problem) = problem(&scene, 6000, Basis::Constant);
+    let solution = problem.conjugate_gradients(&CgOptions::default()).unwrap();
+    let faces = patches.average_by_face(&solution.irradiance);
     let budget = Budget { paths: Some(1_500_000), ..Default::default() };
     let options = PathOptions { budget, ..Default::default() };
     let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
     let rms = RelativeRms::of(&faces, &traced.by_face(&patches));
     assert!(rms.compared >= 18 && rms.value < 0.01, "{rms:?}");
     // And bounce by bounce: bounce 1 is what E sends.
-    let e = sources.right_hand_side(&k);
+    let k = problem.operator();
     for bounce in 1..=2 {
-        let terms = solve::bounces(&k, &e, bounce - 1);
+        let terms = solve::bounces(k, problem.right_hand_side(), bounce - 1);
         let h = k.irradiance(&terms[bounce - 1]);
         let whole =
             |of: &dyn Fn(usize) -> f64| (0..patches.len()).map(|i| patches.area(i) * of(i)).sum::<f64>();
@@ -304,7 +293,7 @@ fn scenes_without_such_lights_have_no_direct_irradiance() {
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Count(300));
     let sources = Sources::trace(&tracer, &patches, Basis::Constant, &LightOptions::default()).unwrap();
-    assert_eq!((sources.direct, sources.emitted), (None, patches.sources()));
+    assert_eq!((sources.direct, sources.emitted), (None, patches.emitted_radiance()));
 }
 
 #[test]
@@ -315,7 +304,7 @@ fn the_same_seed_gives_the_same_light_on_any_number_of_threads() {
             .num_threads(threads)
             .build()
             .unwrap()
-            .install(|| BASES.map(|basis| solved(&scene, 300, basis).3))
+            .install(|| BASES.map(|basis| problem(&scene, 300, basis).2.sources().clone()))
     };
     assert!(answer(1) == answer(3));
 }

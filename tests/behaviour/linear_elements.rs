@@ -25,7 +25,7 @@ fn factors<'s>(tracer: &Tracer<'s>, edge: f64, rays: u32, basis: Basis) -> (Patc
 /// Irradiance by coefficients.
 fn irradiance(patches: &Patches, factors: &FormFactors) -> DMatrix<f64> {
     let k = Transport::of(factors, patches).unwrap();
-    let e = factors.basis().coefficients_of(&patches.sources());
+    let e = factors.basis().coefficients_of(&patches.emitted_radiance());
     solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap().irradiance
 }
 
@@ -110,19 +110,19 @@ fn with_few_rays_what_varies_is_shrunk_until_no_bounce_adds_energy() {
     assert!(few.exchange().closure_error() < 1e-12 && few.exchange().reciprocity_error() == 0.0);
     let rho = 0.999999;
     let k = Transport::new(&few, DMatrix::repeat(patches.len(), 1, rho)).unwrap();
-    let e = Basis::Linear.coefficients_of(&patches.sources());
+    let e = Basis::Linear.coefficients_of(&patches.emitted_radiance());
     let solution = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&e);
     assert!(solution.radiance.map(|l| l * (1.0 - rho) - 1.0).amax() < 1e-6);
     // Light from one patch alone excites what varies: it must not grow.
     let mut spark = DMatrix::zeros(k.len(), 1);
     spark[0] = 1.0;
     let lit = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&spark);
-    assert!(Energy::new(&k, &spark, &lit.radiance, 1.0).imbalance < 1e-6);
+    assert!(Energy::new(&k, &spark, &lit.radiance).imbalance < 1e-6);
     let mut now = spark.clone();
     for _ in 0..200 {
         let mut next = now.clone();
         k.apply(&now, &mut next);
-        let norm = |x: &DMatrix<f64>| k.mass().norm(x.column(0));
+        let norm = |x: &DMatrix<f64>| k.mass().root_mean_square(x.column(0));
         assert!(norm(&next) <= norm(&now) * (1.0 + 1e-6));
         now = next;
     }

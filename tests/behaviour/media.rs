@@ -128,9 +128,9 @@ fn a_furnace_stays_a_furnace_around_glass_in_water_and_white_walls_in_it() {
             assert!((etendue / area - expected).abs() < 1e-12, "{i}");
         }
         let k = Transport::of(&factors, &patches).unwrap();
-        let e = basis.coefficients_of(&patches.sources());
+        let e = basis.coefficients_of(&patches.emitted_radiance());
         let solution = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&e);
-        let energy = Energy::new(&k, &e, &solution.radiance, 1.0);
+        let energy = Energy::new(&k, &e, &solution.radiance);
         assert!(energy.imbalance < 1e-9, "{energy:?}");
         assert_eq!((energy.carriers[0], energy.escaped[0]), (0.0, 0.0), "{energy:?}");
         // What was given up on the way is all that can be missing.
@@ -179,10 +179,9 @@ fn a_lamp_in_glass_is_seen_at_its_apparent_depth() {
     assert!(off < 4.0 * seen.standard_error + 0.01 * exact, "{seen:?} {exact}");
     // What arrives is what such a lamp sends, n² times as much as in air.
     let k = Transport::of(&factors, &patches).unwrap();
-    let e = patches.sources();
+    let e = patches.emitted_radiance();
     let solution = solve::solve(&k, &e, &SolveOptions::default()).unwrap();
-    let unit = tracer.frame().scale().powi(2);
-    let energy = Energy::new(&k, &e, &solution.radiance, unit);
+    let energy = Energy::new(&k, &e, &solution.radiance);
     assert!((energy.emitted[0] / (PI * 100.0 * 0.01 * GLASS * GLASS) - 1.0).abs() < 1e-9, "{energy:?}");
     assert!(energy.imbalance < 1e-9, "{energy:?}");
 }
@@ -205,7 +204,7 @@ fn the_matrix_agrees_with_light_paths_where_a_lamp_and_walls_are_in_glass_in_wat
     let mut patches = cut(&tracer, PatchSize::Count(1000));
     let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
     let k = Transport::of(&factors, &patches).unwrap();
-    let solution = solve::solve(&k, &patches.sources(), &SolveOptions::default()).unwrap();
+    let solution = solve::solve(&k, &patches.emitted_radiance(), &SolveOptions::default()).unwrap();
     let options =
         PathOptions { budget: Budget { paths: Some(4_000_000), ..Budget::default() }, ..Default::default() };
     let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();

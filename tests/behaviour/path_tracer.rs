@@ -164,7 +164,7 @@ fn each_bounce_of_the_cornell_box_meets_its_term_of_the_series_the_better_the_fi
         let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
         let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
         let k = Transport::of(&factors, &patches).unwrap();
-        let terms = solve::bounces(&k, &patches.sources(), 5);
+        let terms = solve::bounces(&k, &patches.emitted_radiance(), 5);
         let bounce = |(before, term)| {
             let rows = patches.average_by_face(&k.irradiance(term));
             let (mut squares, mut noise, mut whole) = (0.0, 0.0, 0.0);

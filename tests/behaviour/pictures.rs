@@ -36,7 +36,8 @@ fn gathered_light_agrees_with_the_patches_and_with_light_paths() {
     let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
     let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
     let k = Transport::of(&factors, &patches).unwrap();
-    let radiance = solve::direct(&k, &Default::default()).unwrap().solve(&patches.sources()).radiance;
+    let radiance =
+        solve::direct(&k, &Default::default()).unwrap().solve(&patches.emitted_radiance()).radiance;
     let camera = scene.camera().copied().unwrap();
     let seen = |shading: Shading, seed: u64| {
         let options =
@@ -59,7 +60,7 @@ fn solved<'s>(tracer: &Tracer<'s>, count: usize, basis: Basis) -> (Patches<'s>, 
     let factors =
         FormFactors::trace(tracer, &mut patches, &TraceOptions { basis, ..Default::default() }).unwrap();
     let k = Transport::of(&factors, &patches).unwrap();
-    let e = basis.coefficients_of(&patches.sources());
+    let e = basis.coefficients_of(&patches.emitted_radiance());
     let radiance = solve::conjugate_gradients(&k, &e, &Default::default()).unwrap().radiance;
     let undershoot = Undershoot::of(k.mass(), &radiance);
     (patches, radiance, undershoot)
@@ -133,7 +134,7 @@ fn pictures_of_nothing_lit_are_black_and_all_others_are_finite() {
         let camera = Camera { position: position.into(), target: target.into(), up: DVec3::Y, fov: 90.0 };
         for (shading, [width, height]) in SHADINGS.into_iter().flat_map(|s| [(s, [1, 1]), (s, [7, 5])]) {
             let options = RenderOptions { width, height, shading, samples: 4, ..Default::default() };
-            let picture = render(&tracer, &patches, &patches.sources(), &camera, &options).unwrap();
+            let picture = render(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap();
             assert_eq!(picture.is_black(), expected == Seen::Nothing, "{shading:?} from {position:?}");
             assert!(picture.pixels.iter().flatten().all(|x| x.is_finite()), "{shading:?} from {position:?}");
         }

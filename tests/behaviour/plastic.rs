@@ -45,9 +45,9 @@ fn a_furnace_stays_a_furnace_around_white_plastic_of_any_roughness() {
             assert_eq!(exchange.reciprocity_error(), 0.0);
             assert!(exchange.closure_error() < 1e-9, "{}", exchange.closure_error());
             let k = Transport::of(&factors, &patches).unwrap();
-            let e = basis.coefficients_of(&patches.sources());
+            let e = basis.coefficients_of(&patches.emitted_radiance());
             let solution = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&e);
-            let energy = Energy::new(&k, &e, &solution.radiance, 1.0);
+            let energy = Energy::new(&k, &e, &solution.radiance);
             assert!(energy.imbalance < 1e-9, "{energy:?}");
             assert_eq!([energy.carriers[0], energy.escaped[0], energy.lost[0]], [0.0; 3], "{energy:?}");
             let off = solution.radiance.map(|l| (l - 2.0).abs()).max();
@@ -119,9 +119,9 @@ fn light_from_a_lamp_gets_under_a_smooth_coat_by_fresnels_formulas() {
                     TraceOptions { rays: Some(64), lamp_rays: Some(1024), basis, ..Default::default() };
                 let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
                 let k = Transport::of(&factors, &patches).unwrap();
-                let e = basis.coefficients_of(&patches.sources());
+                let e = basis.coefficients_of(&patches.emitted_radiance());
                 let solution = solve::solve(&k, &e, &SolveOptions::default()).unwrap();
-                let irradiance = solution.means(basis).irradiance;
+                let irradiance = solution.means().irradiance;
                 sheet_of(&patches).iter().map(|&i| irradiance[(i, 0)]).sum::<f64>()
             });
             let off = under / beside / passed - 1.0;
@@ -131,8 +131,9 @@ fn light_from_a_lamp_gets_under_a_smooth_coat_by_fresnels_formulas() {
         let exact = 100.0 * 0.01 * angle.cos() * passed;
         let tracer = Tracer::new(&coated);
         let patches = cut(&tracer, PatchSize::Edge(0.5));
-        let direct = Sources::trace(&tracer, &patches, Basis::Constant, &LightOptions::default()).unwrap();
-        let direct = direct.with_lamps(&tracer, &patches, &TraceOptions::default()).unwrap().direct.unwrap();
+        let (basis, light) = (Basis::Constant, LightOptions::default());
+        let lights = Sources::trace(&tracer, &patches, basis, &light).unwrap();
+        let direct = lights.with_lamps(&tracer, &patches, basis, &light).unwrap().direct.unwrap();
         let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(100_000)).unwrap();
         // The mean of two triangles, each of which lies to one side of the middle.
         let [a, b] = [0, 1].map(|k| sheet_of(&patches)[k]);
@@ -193,7 +194,7 @@ fn without_their_coats_plastics_are_diffuse() {
         let options = TraceOptions { rays: Some(64), ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
         let k = Transport::of(&factors, &patches).unwrap();
-        solve::solve(&k, &patches.sources(), &SolveOptions::default()).unwrap().irradiance
+        solve::solve(&k, &patches.emitted_radiance(), &SolveOptions::default()).unwrap().irradiance
     };
     assert_eq!(irradiance(&without), irradiance(&bare));
 }
@@ -203,7 +204,7 @@ fn every_shading_shows_a_furnace_in_white_plastic_as_bright_as_the_furnace() {
     let scene = furnace_with(Material::plastic("plastic", (0.5, 1.5), &[1.0]));
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Edge(0.5));
-    let radiance = patches.sources().map(|_| 2.0);
+    let radiance = patches.emitted_radiance().map(|_| 2.0);
     let camera = Camera {
         position: [0.15, 0.5, 0.5].into(),
         target: [0.5, 0.3, 0.4].into(),
@@ -235,7 +236,7 @@ fn a_lamp_shines_on_plastic_as_bright_in_every_shading() {
         let mut patches = cut(&tracer, PatchSize::Edge(0.1));
         let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
         let k = Transport::of(&factors, &patches).unwrap();
-        let solution = solve::solve(&k, &patches.sources(), &SolveOptions::default()).unwrap();
+        let solution = solve::solve(&k, &patches.emitted_radiance(), &SolveOptions::default()).unwrap();
         let camera = Camera {
             position: [0.0, 1.0, 1.5].into(),
             target: [0.0, 0.0, 0.7].into(),
@@ -271,9 +272,9 @@ fn saved_form_factors_know_the_coat_and_not_what_lies_under_it() {
         let read = |scene: &Scene| {
             let (mut file, options) = (Cursor::new(&file), Tessellation::default());
             FormFactors::load(&mut file, &Tracer::new(scene), &options, StorageKind::Auto, Keep::Nothing)
-                .map(|(_, factors, reuse)| (factors.exchange().areas().clone(), reuse.balanced))
+                .map(|(_, factors, reuse)| (factors.exchange().areas(), reuse.balanced))
         };
-        assert_eq!(read(&scene(0.5, 1.5, 0.3)), Ok((factors.exchange().areas().clone(), true)));
+        assert_eq!(read(&scene(0.5, 1.5, 0.3)), Ok((factors.exchange().areas(), true)));
         for other in [scene(0.4, 1.5, 0.8), scene(0.5, 1.6, 0.8)] {
             assert_eq!(read(&other).unwrap_err(), TransportError::File(FactorsFileError::OtherScene));
         }

@@ -36,7 +36,7 @@ fn under_a_lamp_receivers_see_lamberts_formula() {
     let size = PatchSize::Count(300);
     let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
     for basis in [Basis::Constant, Basis::Linear] {
-        let emitted = basis.coefficients_of(&patches.sources());
+        let emitted = basis.coefficients_of(&patches.emitted_radiance());
         for height in [0.2, 0.7, 0.95] {
             let receiver = desk(height);
             let options = LightOptions { rays: 4096, ..Default::default() };

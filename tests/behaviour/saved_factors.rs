@@ -57,7 +57,7 @@ fn solved_with(file: &[u8], scene: &Scene) -> (Vec<f64>, Reuse) {
 
 fn irradiance(patches: &Patches, factors: &FormFactors) -> Vec<f64> {
     let k = Transport::of(factors, patches).unwrap();
-    let e = factors.basis().coefficients_of(&patches.sources());
+    let e = factors.basis().coefficients_of(&patches.emitted_radiance());
     let solution = solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap();
     solution.irradiance.as_slice().to_vec()
 }

@@ -10,11 +10,11 @@ use radiosity::output::{RenderOptions, Shading, render};
 use radiosity::patches::{Basis, PatchSize, Patches, Reach, Sheets, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Camera, Material, Pixels, Scene, SceneError, SceneParts, Side, Texture, Textures};
-use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Solution};
+use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Problem, Solution};
 use radiosity::trace::Tracer;
 use radiosity::transport::{
-    Exchange, FormFactors, Keep, Plan, Reflection, Sources, Storage, StorageKind, Switches, TraceOptions,
-    Transport, TransportError,
+    Exchange, FormFactors, Keep, LightOptions, Plan, Reflection, Storage, StorageKind, Switches,
+    TraceOptions, Transport, TransportError,
 };
 
 use crate::scenes::{flipped, quads, room};
@@ -164,7 +164,7 @@ fn two_spheres_joined_by_a_translucent_window_have_their_closed_form() {
                         assert!(off < 1e-6, "{channel:?} {order:?} {}: {found}", solution.report.name);
                     }
                 }
-                let energy = Energy::new(&k, &e, &solution.radiance, 1.0);
+                let energy = Energy::new(&k, &e, &solution.radiance);
                 assert!(energy.imbalance < 1e-9, "{energy:?}");
             }
             let solver = solve::direct(&k, &DirectOptions::default()).unwrap();
@@ -194,7 +194,7 @@ fn bounds_hold_through_sheets() {
     let scene = around(gauze());
     let (patches, factors) = factors(&scene, PatchSize::Count(400), (Basis::Constant, 128));
     let k = Transport::of(&factors, &patches).unwrap();
-    let e = patches.sources();
+    let e = patches.emitted_radiance();
     let exact = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&e).radiance;
     for order in 0..12 {
         let options = NeumannOptions { order, tolerance: 0.0, ..Default::default() };
@@ -232,13 +232,13 @@ fn every_solver_finds_the_same_light_through_sheets_and_none_of_it_is_lost() {
             let options = TraceOptions { rays: Some(128), basis, storage, ..Default::default() };
             let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
             let k = Transport::of(&factors, &patches).unwrap();
-            let e = basis.coefficients_of(&patches.sources());
+            let e = basis.coefficients_of(&patches.emitted_radiance());
             let solutions = every_solver(&k, &e);
             for solution in &solutions {
                 let off = difference(&solution.radiance, &solutions[0].radiance);
                 assert!(off < 1e-9, "{basis:?} {storage:?} {}: {off}", solution.report.name);
                 assert!(solution.report.residual < 1e-10, "{:?}", solution.report);
-                let energy = Energy::new(&k, &e, &solution.radiance, 1.0);
+                let energy = Energy::new(&k, &e, &solution.radiance);
                 assert!(energy.imbalance < 1e-9, "{basis:?} {}: {energy:?}", solution.report.name);
             }
         }
@@ -250,7 +250,7 @@ fn light_through_sheets_adds_up() {
     let scene = around(gauze());
     let (patches, factors) = factors(&scene, PatchSize::Count(300), (Basis::Linear, 128));
     let k = Transport::of(&factors, &patches).unwrap();
-    let e = Basis::Linear.coefficients_of(&patches.sources());
+    let e = Basis::Linear.coefficients_of(&patches.emitted_radiance());
     let other = DMatrix::from_fn(e.nrows(), e.ncols(), |i, _| f64::from(i as u32 % 3));
     let cg = CgOptions { tolerance: 1e-12, ..Default::default() };
     let [whole, one, other] =
@@ -270,7 +270,7 @@ fn the_same_bits_come_through_on_any_number_of_threads() {
             let budget = Budget { paths: Some(20_000), ..Budget::default() };
             let options = PathOptions { budget, ..Default::default() };
             let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
-            (every_solver(&k, &patches.sources()).map(|solution| solution.radiance), traced.means())
+            (every_solver(&k, &patches.emitted_radiance()).map(|solution| solution.radiance), traced.means())
         })
     });
     assert!(answers[0] == answers[1]);
@@ -282,7 +282,8 @@ fn light_comes_through_a_translucent_wall_and_through_no_other() {
         let scene = around(wall);
         let (patches, factors) = factors(&scene, PatchSize::Count(300), (Basis::Constant, 64));
         let k = Transport::of(&factors, &patches).unwrap();
-        let solution = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&patches.sources());
+        let solution =
+            solve::direct(&k, &DirectOptions::default()).unwrap().solve(&patches.emitted_radiance());
         let behind = |i: usize| {
             let place = patches.place(i);
             let material = &scene.material_of(place.face).name;
@@ -313,7 +314,7 @@ fn each_side_reflects_by_itself() {
     let (patches, factors) = factors(&scene, PatchSize::Edge(0.3), (Basis::Constant, 256));
     let k = Transport::of(&factors, &patches).unwrap();
     assert!(k.sheets().is_none());
-    let solution = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&patches.sources());
+    let solution = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&patches.emitted_radiance());
     for i in (0..patches.len()).filter(|&i| scene.material_of(patches.place(i).face).name == "card") {
         let rho = if patches.place(i).side == Side::Front { 0.8 } else { 0.1 };
         let found = solution.radiance[i] * PI / solution.irradiance[i];
@@ -326,7 +327,7 @@ fn radiance_is_what_is_reflected_and_what_comes_through() {
     let scene = around(paper());
     let (patches, factors) = factors(&scene, PatchSize::Count(300), (Basis::Constant, 64));
     let k = Transport::of(&factors, &patches).unwrap();
-    let e = patches.sources();
+    let e = patches.emitted_radiance();
     for solution in every_solver(&k, &e) {
         let Sheets { pairs, .. } = patches.sheets().unwrap();
         for [front, back] in pairs {
@@ -355,11 +356,9 @@ fn light_paths_through_sheets_agree_with_the_matrix() {
             let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
             let options = TraceOptions { rays: Some(512), basis, keep: Keep::Rays, ..Default::default() };
             let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
-            let k = Transport::of(&factors, &patches).unwrap();
-            let sources: Sources = basis.coefficients_of(&patches.sources()).into();
-            let e = sources.right_hand_side(&k);
-            let solution = solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap();
-            let bars = ErrorBars::of(&patches, &factors, &sources, &solution, Progress::default()).unwrap();
+            let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
+            let solution = problem.conjugate_gradients(&CgOptions::default()).unwrap();
+            let bars = ErrorBars::of(&patches, &problem, &solution, Progress::default()).unwrap();
             let budget = Budget { paths: Some(1_000_000), ..Budget::default() };
             let options = PathOptions { budget, ..Default::default() };
             let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
@@ -386,7 +385,7 @@ fn every_way_of_shading_shows_the_light_through_a_sheet() {
         let tracer = Tracer::new(&scene);
         let k = Transport::of(&factors, &patches).unwrap();
         let cg = CgOptions::default();
-        let radiance = solve::conjugate_gradients(&k, &patches.sources(), &cg).unwrap().radiance;
+        let radiance = solve::conjugate_gradients(&k, &patches.emitted_radiance(), &cg).unwrap().radiance;
         // Only the sheet is in the picture, from either side.
         for x in [0.6, 1.4] {
             let position = DVec3::new(x, 0.5, 0.5);
@@ -481,7 +480,7 @@ fn saved_form_factors_serve_when_a_wall_becomes_translucent() {
 
 fn radiance(patches: &Patches, factors: &FormFactors) -> DMatrix<f64> {
     let k = Transport::of(factors, patches).unwrap();
-    solve::direct(&k, &DirectOptions::default()).unwrap().solve(&patches.sources()).radiance
+    solve::direct(&k, &DirectOptions::default()).unwrap().solve(&patches.emitted_radiance()).radiance
 }
 
 #[test]

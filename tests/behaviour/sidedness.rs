@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 use radiosity::measure::{Budget, Energy, PathOptions, PathTracer};
 use radiosity::patches::{Basis, FaceRow, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Face, FaceState, Light, Material, Scene, SceneParts, Side};
-use radiosity::solve;
+use radiosity::solve::{self, Problem};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions, Transport};
 
@@ -89,9 +89,9 @@ fn irradiance(scene: &Scene, basis: Basis, [rays, lamp_rays]: [u32; 2], seed: u6
         TraceOptions { rays: Some(rays), lamp_rays: Some(lamp_rays), basis, seed, ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
     let k = Transport::of(&factors, &patches).unwrap();
-    let e = basis.coefficients_of(&patches.sources());
+    let e = basis.coefficients_of(&patches.emitted_radiance());
     let solution = solve::solve(&k, &e, &Default::default()).unwrap();
-    let energy = Energy::new(&k, &e, &solution.radiance, 1.0);
+    let energy = Energy::new(&k, &e, &solution.radiance);
     assert!(energy.imbalance < 1e-9, "{energy:?}");
     patches.average_by_face(&basis.means(&solution.irradiance))
 }
@@ -229,11 +229,9 @@ fn a_light_on_a_surface_sends_all_its_light_into_the_room() {
         for basis in BASES {
             let options = TraceOptions { rays: Some(64), basis, ..Default::default() };
             let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
-            let k = Transport::of(&factors, &patches).unwrap();
-            let sources = Sources::trace(&tracer, &patches, basis, &LightOptions::default()).unwrap();
-            let e = sources.right_hand_side(&k);
-            let solution = solve::solve(&k, &e, &Default::default()).unwrap();
-            let energy = Energy::of(&k, &sources, &solution.radiance, tracer.frame().scale().powi(2));
+            let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
+            let solution = problem.solve(&Default::default()).unwrap();
+            let energy = Energy::of(&problem, &solution.radiance);
             let off = [&energy.emitted, &energy.absorbed].map(|flux| flux[0] / (4.0 * PI) - 1.0);
             assert!(off.iter().all(|off| off.abs() < 1e-4), "{position:?} {basis:?}: {off:?}");
         }
@@ -307,10 +305,9 @@ fn the_path_tracer_finds_the_spot_of_a_light_on_a_surface() {
         let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
         let options = TraceOptions { rays: Some(256), ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
-        let k = Transport::of(&factors, &patches).unwrap();
-        let sources = Sources::trace(&tracer, &patches, Basis::Constant, &LightOptions::default()).unwrap();
-        let solution = solve::solve(&k, &sources.right_hand_side(&k), &Default::default()).unwrap();
-        let expected = patches.average_by_face(&solution.under(&sources).irradiance);
+        let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
+        let solution = problem.solve(&Default::default()).unwrap();
+        let expected = patches.average_by_face(&solution.irradiance);
         let budget = Budget { paths: Some(200_000), ..Default::default() };
         let options = PathOptions { budget, ..Default::default() };
         let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap().by_face(&patches);

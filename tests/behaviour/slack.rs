@@ -7,10 +7,10 @@ use radiosity::measure::{Answer, Cause, Energy, ErrorBars, ErrorPart, Grade, Ver
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Material, Scene};
-use radiosity::solve::{self, DirectOptions, Solution};
+use radiosity::solve::{self, DirectOptions, Problem, Solution};
 use radiosity::trace::Tracer;
 use radiosity::transport::{
-    Exchange, FormFactors, Keep, LightOptions, Mass, Sources, Storage, StorageKind, TraceOptions, Transport,
+    Exchange, FormFactors, Keep, LightOptions, Mass, Storage, StorageKind, TraceOptions, Transport,
 };
 
 use crate::scenes::{quads, room};
@@ -44,14 +44,12 @@ fn a_room_beside_a_pocket_that_cannot_close_is_as_it_is_alone() {
         let options = TraceOptions { rays: Some(128), keep: Keep::Rays, ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
         assert!(factors.exchange().closure_error() < 1e-12 && factors.exchange().closure().iterations < 300);
-        let k = Transport::of(&factors, &patches).unwrap();
         let light = LightOptions { rays: 128, ..Default::default() };
-        let sources = Sources::trace(&tracer, &patches, Basis::Constant, &light).unwrap();
-        let solution =
-            solve::direct(&k, &DirectOptions::default()).unwrap().solve(&sources.right_hand_side(&k));
-        let energy = Energy::of(&k, &sources, &solution.radiance, 1.0);
+        let problem = Problem::new(&tracer, &patches, &factors, &light).unwrap();
+        let solution = problem.direct(&DirectOptions::default()).unwrap();
+        let energy = Energy::of(&problem, &solution.radiance);
         assert!(energy.imbalance < 1e-9, "{energy:?}");
-        let bars = ErrorBars::of(&patches, &factors, &sources, &solution, Progress::default()).unwrap();
+        let bars = ErrorBars::of(&patches, &problem, &solution, Progress::default()).unwrap();
         let faces = patches.average_by_face(&solution.irradiance);
         faces
             .into_iter()
@@ -114,21 +112,19 @@ fn damaged(patches: &Patches, exact: &FormFactors) -> FormFactors {
         (exchange.exchange_area(i, j) * 0.1f64.powi(touches as i32)) as f32
     };
     let storage = Storage::Dense(DMatrix::from_fn(n, n, found));
-    let areas = exchange.areas().clone();
+    let areas = exchange.areas();
     let damaged =
-        Exchange::new(storage, exchange.leaving().clone(), areas, &vec![false; n], Progress::default())
-            .unwrap();
+        Exchange::new(storage, exchange.leaving(), areas, &vec![false; n], Progress::default()).unwrap();
     assert!(damaged.closure_error() < 1e-12, "{:?}", damaged.closure());
     let lacks = |i: usize| damaged.slack()[i] > 0.1 * damaged.areas()[i];
     assert!((0..n).all(|i| lacks(i) == (patches.place(i).face == 0)));
     damaged.into()
 }
 
-fn solved(patches: &Patches, factors: &FormFactors) -> (Sources, Solution) {
-    let k = Transport::of(factors, patches).unwrap();
-    let sources: Sources = patches.sources().into();
-    let solution = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&sources.right_hand_side(&k));
-    (sources, solution)
+fn solved(patches: &Patches, factors: &FormFactors) -> (Problem, Solution) {
+    let problem = Problem::unlit(patches, factors).unwrap().under(patches.emitted_radiance());
+    let solution = problem.direct(&DirectOptions::default()).unwrap();
+    (problem, solution)
 }
 
 #[test]
@@ -136,26 +132,22 @@ fn missing_light_is_named_and_within_the_error_bars_of_what_sees_it() {
     let scene = cube();
     let (patches, exact) = exact(&scene);
     let damaged = damaged(&patches, &exact);
-    let (_, truth) = solved(&patches, &exact);
-    let (sources, solution) = solved(&patches, &damaged);
-    let k = Transport::of(&damaged, &patches).unwrap();
-    let energy = Energy::of(&k, &sources, &solution.radiance, patches.unit_of_area());
-    let judged = |k: &Transport, solution: &Solution, energy: &Energy| {
-        let tracer = &Tracer::new(&scene);
-        let (patches, sources) = (&patches, &sources);
-        let (operator, budget, tolerance) = (k, None, 1e-6);
-        Verdict::of(&Answer { tracer, patches, operator, sources, solution, energy, budget, tolerance })
+    let (sound, truth) = solved(&patches, &exact);
+    let (problem, solution) = solved(&patches, &damaged);
+    let energy = Energy::of(&problem, &solution.radiance);
+    let judged = |problem: &Problem, solution: &Solution, energy: &Energy| {
+        let (tracer, patches, budget, tolerance) = (&Tracer::new(&scene), &patches, None, 1e-6);
+        Verdict::of(&Answer { tracer, patches, problem, solution, energy, budget, tolerance })
     };
-    let verdict = judged(&k, &solution, &energy);
+    let verdict = judged(&problem, &solution, &energy);
     let [reason] = &verdict.reasons[..] else { panic!("one reason: {verdict:?}") };
     assert!(reason.cause == Cause::Slack && reason.faces == [0], "{reason:?}");
     assert!((energy.slack[0] / energy.emitted[0] - reason.power_share.unwrap()).abs() < 1e-6, "{reason:?}");
-    let sound = Transport::of(&exact, &patches).unwrap();
-    let energy_of_sound = Energy::of(&sound, &sources, &truth.radiance, patches.unit_of_area());
+    let energy_of_sound = Energy::of(&sound, &truth.radiance);
     assert!(judged(&sound, &truth, &energy_of_sound).reasons.is_empty());
 
-    let bars = ErrorBars::of(&patches, &damaged, &sources, &solution, Progress::default()).unwrap();
-    let sound = ErrorBars::of(&patches, &exact, &sources, &truth, Progress::default()).unwrap();
+    let bars = ErrorBars::of(&patches, &problem, &solution, Progress::default()).unwrap();
+    let sound = ErrorBars::of(&patches, &sound, &truth, Progress::default()).unwrap();
     assert!(bars.budget.part(ErrorPart::SLACK) > 0.01);
     assert!(sound.budget.parts.iter().all(|part| part.name != ErrorPart::SLACK));
     let [answer, truth] = [&solution, &truth].map(|solution| patches.average_by_face(&solution.irradiance));
@@ -186,8 +178,8 @@ fn energy_is_kept_with_slack_for_constant_and_linear_elements() {
     let (patches, exact) = exact(&scene);
     for basis in [Basis::Constant, Basis::Linear] {
         let each = basis.coefficients();
-        let mass = Mass::new(basis, patches.areas());
-        let n = mass.len();
+        let mass = Mass::new(basis, &patches.areas());
+        let (n, areas) = (mass.len(), mass.areas());
         // Every coefficient takes part alike, and some find next to nothing.
         let found = |i: usize| if (i / each).is_multiple_of(7) { 0.05 } else { 1.0 };
         // Light that varies within patches is passed on unmixed, which needs shrinking.
@@ -196,7 +188,7 @@ fn energy_is_kept_with_slack_for_constant_and_linear_elements() {
             if i % each == j % each { (area * found(i) * found(j)) as f32 } else { 0.0 }
         };
         let storage = Storage::Dense(DMatrix::from_fn(n, n, entry));
-        let escape = DVector::from_fn(n, |i, _| if i % 5 == 0 { 0.1 * mass.sums()[i] } else { 0.0 });
+        let escape = DVector::from_fn(n, |i, _| if i % 5 == 0 { 0.1 * areas[i] } else { 0.0 });
         let exchange = Exchange::new(storage, escape, mass, &vec![false; n], Progress::default()).unwrap();
         assert!(
             exchange.closure_error() < 1e-12 && exchange.slack().amax() > 0.0,
@@ -212,9 +204,9 @@ fn energy_is_kept_with_slack_for_constant_and_linear_elements() {
         assert!(merged.closure_error() < 1e-6, "{}", merged.closure_error());
         let factors: FormFactors = exchange.into();
         let k = Transport::of(&factors, &patches).unwrap();
-        let e = basis.coefficients_of(&patches.sources());
+        let e = basis.coefficients_of(&patches.emitted_radiance());
         let solution = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&e);
-        let energy = Energy::new(&k, &e, &solution.radiance, 1.0);
+        let energy = Energy::new(&k, &e, &solution.radiance);
         assert!(energy.slack[0] > 1e-3 * energy.emitted[0] && energy.imbalance < 1e-9, "{energy:?}");
     }
 }

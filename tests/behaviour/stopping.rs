@@ -8,9 +8,9 @@ use radiosity::measure::{Energy, ErrorBars, ErrorPart};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Light, Material, Scene};
-use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Solution, SolveError};
+use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Problem, Solution, SolveError};
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, Keep, LightOptions, Sources, TraceOptions, Transport};
+use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, Transport};
 
 use crate::scenes::{flipped, lit_quads, quads, room};
 use crate::scratch::Scratch;
@@ -38,9 +38,8 @@ fn directly(k: &Transport, e: &DMatrix<f64>) -> Solution {
 
 /// max |ΔH| / max(H, H_rms/1000), the largest over channels.
 fn worst(k: &Transport, found: &DMatrix<f64>, exact: &DMatrix<f64>) -> f64 {
-    let area = k.mass().sums().sum();
     let of = |c: usize| {
-        let typical = (k.mass().norm(exact.column(c)).powi(2) / area).sqrt();
+        let typical = k.mass().root_mean_square(exact.column(c));
         let off = |(a, b): (&f64, &f64)| (a - b).abs() / b.max(1e-3 * typical);
         found.column(c).iter().zip(&exact.column(c)).map(off).fold(0.0, f64::max)
     };
@@ -87,7 +86,7 @@ fn solvers_agree_whatever_the_size_of_lamps_and_rooms() {
                 for basis in BASES {
                     let (patches, factors) = factors(&scene, 150, (basis, 64));
                     let k = Transport::of(&factors, &patches).unwrap();
-                    let e = basis.coefficients_of(&patches.sources());
+                    let e = basis.coefficients_of(&patches.emitted_radiance());
                     agree(&k, &e, &format!("{lamp} m in {length} m of {reflectances:?}, {basis:?}"));
                 }
             }
@@ -113,7 +112,7 @@ fn solvers_agree_through_sheets_and_in_the_dark_behind_them() {
         for basis in BASES {
             let (patches, factors) = factors(&scene, 300, (basis, 64));
             let k = Transport::of(&factors, &patches).unwrap();
-            let e = basis.coefficients_of(&patches.sources());
+            let e = basis.coefficients_of(&patches.emitted_radiance());
             agree(&k, &e, &format!("{basis:?}"));
             let report = solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap().report;
             assert_eq!(report.name, "minres");
@@ -126,23 +125,17 @@ fn a_room_with_one_tiny_lamp_is_lit_to_its_end() {
     let scene = Scene::load(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/led.obj")).unwrap();
     let (patches, factors) = factors(&scene, 1000, (Basis::Constant, 128));
     let k = Transport::of(&factors, &patches).unwrap();
-    let e = patches.sources();
-    let unit = factors_unit(&scene);
+    let e = patches.emitted_radiance();
     let series = solve::neumann(&k, &e, &NeumannOptions::default()).unwrap();
     assert!((40..100).contains(&series.order()), "{}", series.order());
     let cg = solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap();
     assert!(cg.report.iterations < 25, "{:?}", cg.report);
     for solution in [series.solution, cg] {
-        let energy = Energy::new(&k, &e, &solution.radiance, unit);
+        let energy = Energy::new(&k, &e, &solution.radiance);
         assert!((energy.emitted[0] - 9.896).abs() < 0.01 && energy.imbalance < 2e-6, "{energy:?}");
         let wall = &patches.average_by_face(&solution.irradiance)[0];
         assert!((wall.mean[0] - 0.472).abs() < 0.005, "{wall:?}");
     }
-}
-
-/// The operator's unit of area, m².
-fn factors_unit(scene: &Scene) -> f64 {
-    Tracer::new(scene).frame().scale().powi(2)
 }
 
 #[test]
@@ -150,7 +143,7 @@ fn refined_iterations_are_never_said_to_have_converged_where_they_have_not() {
     let scene = lit_room(3.0, 0.1, [0.9, 0.0]);
     let (patches, factors) = factors(&scene, 150, (Basis::Constant, 64));
     let k = Transport::of(&factors, &patches).unwrap();
-    let e = patches.sources();
+    let e = patches.emitted_radiance();
     for iterations in [2, 4, 6] {
         let options = CgOptions { iterations, tolerance: 1e-9, ..Default::default() };
         let Err(SolveError::NotConverged { best, .. }) = solve::conjugate_gradients(&k, &e, &options) else {
@@ -184,18 +177,17 @@ fn what_a_truncated_series_lacks_is_no_more_than_it_says() {
     for scene in [Scene::cornell_box(), Scene::load(two_rooms).unwrap()] {
         for basis in BASES {
             let (patches, factors) = factors(&scene, 500, (basis, 64));
-            let k = Transport::of(&factors, &patches).unwrap();
-            let sources: Sources = basis.coefficients_of(&patches.sources()).into();
-            let e = sources.right_hand_side(&k);
-            let exact = directly(&k, &e);
+            let emitted = basis.coefficients_of(&patches.emitted_radiance());
+            let problem = Problem::unlit(&patches, &factors).unwrap().under(emitted);
+            let exact = problem.direct(&DirectOptions::default()).unwrap();
             let budget = |solution: &Solution| {
-                ErrorBars::of(&patches, &factors, &sources, solution, Progress::default()).unwrap().budget
+                ErrorBars::of(&patches, &problem, solution, Progress::default()).unwrap().budget
             };
             let of_all = budget(&exact);
             assert_eq!(of_all.part(ErrorPart::TRUNCATION), 0.0);
             for order in 0..=8 {
                 let options = NeumannOptions { order, ..Default::default() };
-                let solution = solve::neumann(&k, &e, &options).unwrap().solution;
+                let solution = problem.neumann(&options).unwrap().solution;
                 assert!(solution.report.truncated);
                 let told = budget(&solution);
                 let truncation = told.part(ErrorPart::TRUNCATION);
@@ -284,20 +276,17 @@ fn nothing_is_said_in_numbers_that_are_none_where_nothing_is_reflected() {
     let lights = vec![Light::Point { position: DVec3::new(0.5, 0.5, 0.4), intensity: vec![1.0] }];
     let scene = lit_quads(&[(wall, 0), (other, 0)], vec![Material::diffuse("black", &[0.0])], lights, None);
     let (patches, factors) = factors(&scene, 60, (Basis::Constant, 64));
-    let k = Transport::of(&factors, &patches).unwrap();
-    let sources =
-        Sources::trace(&Tracer::new(&scene), &patches, Basis::Constant, &LightOptions::default()).unwrap();
-    let e = sources.right_hand_side(&k);
-    assert_eq!(e.amax(), 0.0);
-    let cg = solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap();
-    let series = solve::neumann(&k, &e, &NeumannOptions::default()).unwrap();
-    for solution in [directly(&k, &e), cg, series.solution.clone()] {
+    let problem = Problem::new(&Tracer::new(&scene), &patches, &factors, &LightOptions::default()).unwrap();
+    assert_eq!(problem.right_hand_side().amax(), 0.0);
+    let direct = problem.direct(&DirectOptions::default()).unwrap();
+    let cg = problem.conjugate_gradients(&CgOptions::default()).unwrap();
+    let series = problem.neumann(&NeumannOptions::default()).unwrap();
+    for solution in [direct, cg, series.solution.clone()] {
         let Solution { radiance, report, .. } = &solution;
         assert!(radiance.amax() == 0.0 && report.bound == 0.0 && report.remaining_flux == 0.0, "{report:?}");
-        let summary = radiosity::output::SeriesSummary::new(&series, &solution, 1.0);
+        let summary = radiosity::output::SeriesSummary::new(&series, &solution);
         assert_eq!(summary.difference, 0.0);
-        let whole = solution.under(&sources);
-        let budget = ErrorBars::of(&patches, &factors, &sources, &whole, Progress::default()).unwrap().budget;
+        let budget = ErrorBars::of(&patches, &problem, &solution, Progress::default()).unwrap().budget;
         assert!(budget.upper95.is_finite() && budget.relative_rms.is_finite(), "{budget:?}");
     }
     let folder = Scratch::with(&[

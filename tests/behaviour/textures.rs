@@ -82,7 +82,7 @@ fn case<'s>(tracer: &Tracer<'s>, count: usize, basis: Basis) -> Case<'s> {
 impl Case<'_> {
     fn solve(&self) -> solve::Solution {
         let k = Transport::of(&self.factors, &self.patches).unwrap();
-        let e = self.factors.basis().coefficients_of(&self.patches.sources());
+        let e = self.factors.basis().coefficients_of(&self.patches.emitted_radiance());
         solve::solve(&k, &e, &Default::default()).unwrap()
     }
 }
@@ -94,7 +94,7 @@ fn patches_average_the_picture_so_that_faces_have_its_mean() {
     for edge in [3.0, 0.4, 0.13] {
         let (size, reach) = (PatchSize::Edge(edge), Reach::Everything);
         let patches = Patches::new(&tracer, &Tessellation { size, reach, ..Default::default() }).unwrap();
-        for (field, lamp) in [(patches.reflectances(), false), (patches.sources(), true)] {
+        for (field, lamp) in [(patches.reflectances(), false), (patches.emitted_radiance(), true)] {
             for row in patches.average_by_face(&field).iter().filter(|row| row.side == Side::Front) {
                 let material = scene.material_of(row.face);
                 let (plain, texture) = match lamp {
@@ -151,9 +151,9 @@ fn energy_balances_where_reflectance_varies() {
     let tracer = Tracer::new(&scene);
     let case = case(&tracer, 1500, Basis::Constant);
     let k = Transport::of(&case.factors, &case.patches).unwrap();
-    let e = case.patches.sources();
+    let e = case.patches.emitted_radiance();
     let solution = solve::direct(&k, &Default::default()).unwrap().solve(&e);
-    assert!(Energy::new(&k, &e, &solution.radiance, 1.0).imbalance < 1e-9);
+    assert!(Energy::new(&k, &e, &solution.radiance).imbalance < 1e-9);
 }
 
 /// The floor from above.
@@ -206,7 +206,7 @@ fn even_light_on_a_picture_shows_the_picture() {
     let patches =
         Patches::new(&tracer, &Tessellation { size: PatchSize::Edge(0.5), ..Default::default() }).unwrap();
     // Under H = π everywhere, L = Lₑ + ρ.
-    let radiance: DMatrix<f64> = patches.sources() + patches.reflectances();
+    let radiance: DMatrix<f64> = patches.emitted_radiance() + patches.reflectances();
     let camera = Camera {
         position: DVec3::new(1.0, 1.0, 1.0),
         target: DVec3::new(1.0, 0.0, 1.0001),

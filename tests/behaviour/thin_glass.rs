@@ -7,7 +7,7 @@ use radiosity::output::{RenderOptions, Shading, render};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Camera, Light, Material, Scene, Sky, SkyKind, Surface};
-use radiosity::solve::{self, SolveOptions};
+use radiosity::solve::{self, Problem, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, Plan, Sources, TraceOptions, Transport};
 
@@ -69,9 +69,9 @@ fn a_furnace_stays_a_furnace_around_a_clear_sheet() {
         let options = TraceOptions { rays: Some(128), basis, ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
         let k = Transport::of(&factors, &patches).unwrap();
-        let e = basis.coefficients_of(&patches.sources());
+        let e = basis.coefficients_of(&patches.emitted_radiance());
         let solution = solve::solve(&k, &e, &SolveOptions::default()).unwrap();
-        let energy = Energy::new(&k, &e, &solution.radiance, 1.0);
+        let energy = Energy::new(&k, &e, &solution.radiance);
         assert_eq!([energy.carriers[0], energy.escaped[0], energy.lost[0]], [0.0; 3], "{energy:?}");
         assert!(solution.radiance.iter().all(|l| (l - 2.0).abs() < 1e-5));
     }
@@ -138,13 +138,11 @@ fn a_room_behind_a_glazed_window_agrees_with_light_paths() {
         let mut patches = cut(&tracer, PatchSize::Count(800));
         let options = TraceOptions { basis, ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
-        let k = Transport::of(&factors, &patches).unwrap();
-        let sources = Sources::trace(&tracer, &patches, basis, &LightOptions::default()).unwrap();
-        let e = sources.right_hand_side(&k);
-        let solution = solve::solve(&k, &e, &SolveOptions::default()).unwrap().under(&sources);
-        let energy = Energy::of(&k, &sources, &solution.radiance, 1.0);
+        let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
+        let solution = problem.solve(&SolveOptions::default()).unwrap();
+        let energy = Energy::of(&problem, &solution.radiance);
         assert!(energy.imbalance < 1e-5 && energy.carriers[0] > 0.0, "{energy:?}");
-        let irradiance = solution.means(basis).irradiance;
+        let irradiance = solution.means().irradiance;
         let budget = Budget { paths: Some(200_000), ..Budget::default() };
         let traced = PathTracer::new(&tracer)
             .irradiance(&patches, &PathOptions { budget, ..Default::default() })
@@ -176,7 +174,7 @@ fn every_shading_shows_the_sky_behind_a_sheet() {
         [(Shading::Flat, 1), (Shading::Smooth, 1), (Shading::Gather, 1024), (Shading::Path, 1024)]
     {
         let options = RenderOptions { width: 4, height: 4, shading, samples, ..Default::default() };
-        let picture = render(&tracer, &patches, &patches.sources(), &camera, &options).unwrap();
+        let picture = render(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap();
         let mean = picture.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / 16.0;
         assert!((mean / exact - 1.0).abs() < 0.005, "{shading:?}: {mean} {exact}");
     }

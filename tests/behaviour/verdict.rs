@@ -6,10 +6,10 @@ use radiosity::measure::{Answer, Cause, Energy, ErrorBars, ErrorBudget, Level, R
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Light, Material, Scene, Side};
-use radiosity::solve::{self, Method, Solution, SolveOptions};
+use radiosity::solve::{Method, Problem, Solution, SolveOptions};
 use radiosity::trace::{OverlapKind, Tracer};
 use radiosity::transport::{
-    Disagreement, Exchange, FormFactors, Keep, LightOptions, Sources, Storage, TraceOptions, Transport,
+    Disagreement, Exchange, FormFactors, Keep, LightOptions, Sources, Storage, TraceOptions,
 };
 
 use crate::scenes::{flipped, lit_quads, quads, room};
@@ -37,20 +37,18 @@ impl<'s> Case<'s> {
         Self { tracer, patches, factors, sources, tolerance: 1e-6, order: 1000, budget: None }
     }
 
-    fn operator(&self) -> Transport<'_> {
-        Transport::of(&self.factors, &self.patches).unwrap()
+    fn problem(&self) -> Problem {
+        Problem::unlit(&self.patches, &self.factors).unwrap().under(self.sources.clone())
     }
 
     fn solve(&self, method: Method) -> Solution {
-        let k = self.operator();
-        let e = self.sources.right_hand_side(&k);
         let options =
             SolveOptions { method, order: self.order, tolerance: self.tolerance, ..Default::default() };
-        solve::solve(&k, &e, &options).unwrap().under(&self.sources)
+        self.problem().solve(&options).unwrap()
     }
 
     fn energy(&self, solution: &Solution) -> Energy {
-        Energy::of(&self.operator(), &self.sources, &solution.radiance, self.patches.unit_of_area())
+        Energy::of(&self.problem(), &solution.radiance)
     }
 
     fn judge(&self, solution: &Solution) -> Verdict {
@@ -61,8 +59,7 @@ impl<'s> Case<'s> {
         Verdict::of(&Answer {
             tracer: &self.tracer,
             patches: &self.patches,
-            operator: &self.operator(),
-            sources: &self.sources,
+            problem: &self.problem(),
             solution,
             energy,
             budget: self.budget.as_ref(),
@@ -137,13 +134,12 @@ fn answers_on_sound_scenes_are_good_and_give_no_reasons() {
             for rays in [16, 64] {
                 let mut case = Case::new(&scene, 400, rays, basis);
                 // Meshes of many faces are not factored here.
-                let (solved, methods) = match case.operator().len() {
+                let (solved, methods) = match case.problem().operator().len() {
                     ..4000 => (Method::Direct, &METHODS[..]),
                     _ => (Method::ConjugateGradients, &METHODS[1..]),
                 };
                 let solution = case.solve(solved);
-                let (patches, factors, sources) = (&case.patches, &case.factors, &case.sources);
-                let bars = ErrorBars::of(patches, factors, sources, &solution, Progress::default());
+                let bars = ErrorBars::of(&case.patches, &case.problem(), &solution, Progress::default());
                 case.budget = Some(bars.unwrap().budget);
                 for method in methods {
                     let solution = case.solve(*method);
@@ -180,7 +176,7 @@ fn numbers_that_are_not_finite_are_bad_wherever_they_stand() {
     only(&case.judge(&solution), Cause::NotFinite, Level::Bad);
     solution.report.bound = f64::INFINITY;
     only(&case.judge(&solution), Cause::Unbounded, Level::Doubtful);
-    let bars = ErrorBars::of(&case.patches, &case.factors, &case.sources, &sound, Progress::default());
+    let bars = ErrorBars::of(&case.patches, &case.problem(), &sound, Progress::default());
     case.budget = Some(bars.unwrap().budget);
     case.budget.as_mut().unwrap().upper95 = f64::NAN;
     only(&case.judge(&sound), Cause::NotFinite, Level::Bad);
@@ -355,7 +351,7 @@ fn rays_that_escape_from_a_closed_room_are_a_fault_and_through_a_window_are_none
     let mut case = Case::new(&scene, 400, 64, Basis::Constant);
     let (mut areas, mut escape) = case.exchange();
     areas *= 0.95;
-    escape.axpy(0.05, case.factors.exchange().areas(), 1.0);
+    escape.axpy(0.05, &case.factors.exchange().areas(), 1.0);
     case.put_back((areas, escape));
     let reason = only(&case.judge(&case.solve(Method::Direct)), Cause::Escape, Level::Bad);
     assert_eq!(reason.faces.len(), 14);

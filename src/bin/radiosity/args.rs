@@ -167,7 +167,8 @@ impl AccuracyArgs {
 
     pub fn light<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> LightOptions<'a> {
         let rays = self.rays.unwrap_or(LightOptions::default().rays);
-        LightOptions { rays, seed: run.seed, progress, ..Default::default() }
+        let lamp_rays = self.rays.map(|rays| rays / 2);
+        LightOptions { rays, lamp_rays, seed: run.seed, progress, ..Default::default() }
     }
 
     pub fn trace<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> TraceOptions<'a> {

@@ -11,9 +11,9 @@ use radiosity::output::{
     RenderOptions, Shading,
 };
 use radiosity::scene::Scene;
-use radiosity::solve::{self, Amplification, Certainty, Report, SolveOptions};
+use radiosity::solve::{self, Amplification, Certainty, Problem, Report, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Keep, Sources, Transport};
+use radiosity::transport::Keep;
 
 use crate::args::{self, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -100,26 +100,22 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let began = Instant::now();
     let tracer = Tracer::new(&scene);
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, Keep::Nothing, terminal)?;
-    let k = Transport::of(&factors, &patches)?;
-    let basis = factors.basis();
-    let sources = Sources::trace(&tracer, &patches, basis, &args.factors.light(&args.run, progress))?;
-    let e = sources.right_hand_side(&k);
+    let problem = Problem::new(&tracer, &patches, &factors, &args.factors.light(&args.run, progress))?;
     let before_solving = began.elapsed().as_secs_f64();
     progress.at("solve", 0.0)?;
-    let amplification = Amplification::new(&k, &Default::default())?;
+    let amplification = Amplification::new(problem.operator(), &Default::default())?;
     let options = args.solver.options(&args.run, progress);
     // The solution that orders are held against must be much better than the best of them.
     let tolerance = (SOLVED_BETTER * options.tolerance).max(1e-13);
     let options = SolveOptions { amplification: Some(&amplification), tolerance, ..options };
-    let direct = solve::solve(&k, &e, &options)?.under(&sources);
+    let direct = problem.solve(&options)?;
     let direct_seconds = began.elapsed().as_secs_f64();
     let verdict = Verdict::of(&Answer {
         tracer: &tracer,
         patches: &patches,
-        operator: &k,
-        sources: &sources,
+        problem: &problem,
         solution: &direct,
-        energy: &Energy::of(&k, &sources, &direct.radiance, patches.unit_of_area()),
+        energy: &Energy::of(&problem, &direct.radiance),
         budget: None,
         tolerance,
     });
@@ -132,9 +128,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let mesh = MeshError::estimate(&tracer, &patches, &factors, &tessellation, &trace)?;
     progress.at("series", 0.0)?;
     let limits = OrderOptions { tolerance: args.solver.tolerance, order: args.solver.order, progress };
-    let orders = OrderRow::all(&k, &sources, &direct.irradiance, &reference, &amplification, &limits)?;
+    let orders = OrderRow::all(&problem, &direct.irradiance, &reference, &amplification, &limits)?;
     // Tables have the means over patches.
-    let irradiance = &basis.means(&direct.irradiance);
+    let irradiance = &direct.means().irradiance;
     let comparison = Comparison::new(&patches, irradiance, &reference, &mesh);
 
     let camera = args::camera(&tracer, &patches);
@@ -143,7 +139,11 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     };
     let [matrix, traced] = [picture(Shading::Smooth)?, picture(Shading::Path)?];
     args::warn_if_black(&matrix, direct.irradiance.amax(), terminal);
-    let terms = solve::bounces(&k, &e, LAST_PICTURE.min(orders.len().max(2) - 1));
+    let terms = solve::bounces(
+        problem.operator(),
+        problem.right_hand_side(),
+        LAST_PICTURE.min(orders.len().max(2) - 1),
+    );
     let bounces = BouncePictures::render(&tracer, &patches, &terms, &camera, &look)?;
 
     progress.at("write", 0.0)?;
@@ -165,7 +165,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         threads: rayon::current_num_threads(),
         patches: patches.len(),
         rays: factors.rays(),
-        basis: basis.name(),
+        basis: problem.basis().name(),
         orders: orders.iter().map(|row| OrderSummary::new(row, before_solving)).collect(),
         direct: DirectSummary::new(&comparison, direct_seconds),
         reference: (&reference).into(),

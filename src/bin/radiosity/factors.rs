@@ -3,13 +3,11 @@
 use std::path::PathBuf;
 
 use radiosity::output::{self, RenderOptions};
-use radiosity::patches::{Basis, PatchError, PatchSize, Patches, Tessellation};
+use radiosity::patches::{PatchError, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Feature, Scene};
 use radiosity::trace::Tracer;
-use radiosity::transport::{
-    Forecast, FormFactors, Keep, LightOptions, Plan, Sources, Switches, TraceOptions, Work,
-};
+use radiosity::transport::{Forecast, FormFactors, Keep, LightOptions, Plan, Switches, TraceOptions, Work};
 
 use crate::args::{AccuracyArgs, BasisArg, RunArgs, SolverArgs};
 use crate::terminal::{Failure, Terminal};
@@ -111,22 +109,6 @@ impl FactorsArgs {
             Some((_, name)) => Err(format!("{who}: it can't do --effects -{name}").into()),
             None => Ok(()),
         }
-    }
-
-    /// The light that starts in the scene; without interreflection all light that arrives straight.
-    pub fn sources(
-        &self,
-        tracer: &Tracer,
-        patches: &Patches,
-        basis: Basis,
-        run: &RunArgs,
-        light: &LightOptions,
-    ) -> Result<Sources, Failure> {
-        let sources = Sources::trace(tracer, patches, basis, light)?;
-        if tracer.scene().is_without(Feature::Interreflection) {
-            return Ok(sources.with_lamps(tracer, patches, &self.options(run, light.progress).1)?);
-        }
-        Ok(sources)
     }
 
     /// What solving with these options will probably cost, or with as many patches and rays as were chosen

@@ -2,9 +2,9 @@
 
 use radiosity::measure::{Answer, Energy, Verdict};
 use radiosity::output::{self, RenderOptions};
-use radiosity::solve;
+use radiosity::solve::Problem;
 use radiosity::trace::Tracer;
-use radiosity::transport::{Keep, Transport};
+use radiosity::transport::Keep;
 
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
@@ -37,25 +37,20 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
     let (patches, factors) = args.factors.obtain(&tracer, &args.run, Keep::Nothing, terminal)?;
-    let k = Transport::of(&factors, &patches)?;
-    let basis = factors.basis();
-    let light = args.factors.light(&args.run, progress);
-    let sources = args.factors.sources(&tracer, &patches, basis, &args.run, &light)?;
-    let e = sources.right_hand_side(&k);
-    let solution = solve::solve(&k, &e, &args.solver.options(&args.run, progress))?.under(&sources);
-    let energy = Energy::of(&k, &sources, &solution.radiance, patches.unit_of_area());
+    let problem = Problem::new(&tracer, &patches, &factors, &args.factors.light(&args.run, progress))?;
+    let solution = problem.solve(&args.solver.options(&args.run, progress))?;
+    let energy = Energy::of(&problem, &solution.radiance);
     let verdict = Verdict::of(&Answer {
         tracer: &tracer,
         patches: &patches,
-        operator: &k,
-        sources: &sources,
+        problem: &problem,
         solution: &solution,
         energy: &energy,
         budget: None,
         tolerance: args.solver.tolerance,
     });
     let camera = args::camera(&tracer, &patches);
-    let look = RenderOptions { carried: sources.carried.as_ref().map(|light| &light.irradiance), ..look };
+    let look = RenderOptions { carried: problem.carried(), ..look };
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
     args::warn_if_black(&picture, solution.irradiance.amax(), terminal);
     progress.at("write", 0.0)?;

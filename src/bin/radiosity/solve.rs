@@ -1,14 +1,16 @@
 //! `radiosity solve`: the main job.
 
+use std::iter;
+
 use radiosity::measure::{self, Answer, Energy, ErrorBars, Undershoot, Verdict};
 use radiosity::output::{
     self, EnergySummary, Photometry, Quantity, RenderOptions, SeriesSummary, Shading, Summary, Surfaces,
 };
-use radiosity::patches::Basis;
+use radiosity::patches::{Basis, Patches};
 use radiosity::scene::{Feature, Scene};
-use radiosity::solve::{self, Amplification, NeumannOptions, SolveOptions};
+use radiosity::solve::{Amplification, NeumannOptions, Problem, Solution, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, LightOptions, ReceiverRows, Sources, Transport};
+use radiosity::transport::{FormFactors, LightOptions, ReceiverRows, Sources};
 
 use crate::accuracy::{self, GoalArgs};
 use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
@@ -67,46 +69,32 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     // What was chosen on the way to an accuracy is not among the options.
     let chosen = (!steps.is_empty()).then(|| (patches.len(), factors.rays()));
     let plan = plan.foretold(&args.factors.forecast(&tracer, &args.solver, (&look, chosen), &args.run)?);
-    let k = Transport::of(&factors, &patches)?;
-    let basis = factors.basis();
     let asked = args.factors.light(&args.run, progress);
     let light = match steps.is_empty() {
         true => asked,
         false => LightOptions { rays: factors.rays(), ..asked },
     };
-    let sources = args.factors.sources(&tracer, &patches, basis, &args.run, &light)?;
-    let e = sources.right_hand_side(&k);
-    // All lamps together, then each group of lamps by itself: one factorization serves them all.
-    let groups = if args.lamp_groups { patches.sources_by_material() } else { Vec::new() };
-    let mut of_groups: Vec<Sources> =
-        groups.iter().map(|g| basis.coefficients_of(&g.sources).into()).collect();
-    let mut names: Vec<&str> = groups.iter().map(|g| g.material.as_str()).collect();
-    if args.lamp_groups && sources.direct.is_some() {
-        of_groups.push(Sources { emitted: 0.0 * &sources.emitted, ..sources.clone() });
-        names.push(LIGHTS);
-    }
-    let by_group: Vec<_> = of_groups.iter().map(|group| group.right_hand_side(&k)).collect();
-    let right_hand_sides: Vec<_> = std::iter::once(&e).chain(&by_group).collect();
+    let problem = Problem::new(&tracer, &patches, &factors, &light)?;
+    let groups = if args.lamp_groups { lamp_groups(&problem, &patches) } else { Vec::new() };
     progress.at("solve", 0.0)?;
-    let amplification = Some(&Amplification::new(&k, &Default::default())?);
+    let amplification = Some(&Amplification::new(problem.operator(), &Default::default())?);
     let options = SolveOptions { amplification, ..args.solver.options(&args.run, progress) };
-    let mut solutions = solve::solve_all(&k, &right_hand_sides, &options)?;
-    let by_group: Vec<_> = solutions.split_off(1).into_iter().zip(&of_groups).collect();
-    let by_group: Vec<_> = by_group.into_iter().map(|(one, group)| one.under(group).means(basis)).collect();
+    // All lamps together, then each group of lamps by itself: one factorization serves them all.
+    let all: Vec<&Sources> = iter::once(problem.sources()).chain(groups.iter().map(|(_, s)| s)).collect();
+    let mut solutions = problem.solve_each(&all, &options)?;
+    let of_groups = solutions.split_off(1);
     let solution = &solutions[0];
     progress.at("series", 0.0)?;
     let (order, tolerance) = (args.solver.order, args.solver.tolerance);
-    let series = solve::neumann(&k, &e, &NeumannOptions { order, tolerance, amplification, progress })?;
+    let series = problem.neumann(&NeumannOptions { order, tolerance, amplification, progress })?;
 
-    let whole = solution.clone().under(&sources);
-    let bars = ErrorBars::of(&patches, &factors, &sources, &whole, progress)?;
-    let energy = Energy::of(&k, &sources, &whole.radiance, patches.unit_of_area());
+    let bars = ErrorBars::of(&patches, &problem, solution, progress)?;
+    let energy = Energy::of(&problem, &solution.radiance);
     let verdict = Verdict::of(&Answer {
         tracer: &tracer,
         patches: &patches,
-        operator: &k,
-        sources: &sources,
-        solution: &whole,
+        problem: &problem,
+        solution,
         energy: &energy,
         budget: Some(&bars.budget),
         tolerance,
@@ -114,22 +102,22 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
 
     let mut received = Vec::new();
     for receiver in scene.receivers() {
-        let rows = ReceiverRows::trace(&tracer, &patches, basis, receiver, &light)?;
+        let rows = ReceiverRows::trace(&tracer, &patches, problem.basis(), receiver, &light)?;
         received.push((
             receiver,
-            rows.irradiance(if direct_only { &sources.emitted } else { &solution.radiance }),
+            rows.irradiance(if direct_only { &problem.sources().emitted } else { &solution.radiance }),
         ));
     }
 
     let camera = args::camera(&tracer, &patches);
-    let look = RenderOptions { carried: sources.carried.as_ref().map(|light| &light.irradiance), ..look };
+    let look = RenderOptions { carried: problem.carried(), ..look };
     let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
-    args::warn_if_black(&picture, whole.irradiance.amax(), terminal);
+    args::warn_if_black(&picture, solution.irradiance.amax(), terminal);
     // Illuminance is shown from patches and corners, however light is.
     let shading = if look.shading == Shading::Flat { Shading::Flat } else { Shading::Smooth };
     let look = RenderOptions { shading, surfaces: Surfaces::Averaged, ..look };
     let false_colours = args.photometric.then(|| {
-        let lux = output::luminous(&whole.irradiance, scene.efficacy());
+        let lux = output::luminous(&solution.irradiance, scene.efficacy());
         output::render(&tracer, &patches, &lux, &camera, &look)
     });
     let false_colours = false_colours.transpose()?;
@@ -137,7 +125,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let exposure = args.picture.exposure(&picture);
     let mut outputs = args.scene.outputs(&scene)?;
     // Tables have the means over patches.
-    let means = whole.means(basis);
+    let means = solution.means();
     let (irradiance, radiance) = (&means.irradiance, &means.radiance);
     outputs.file("faces.csv", |file| output::write_faces(file, &patches, irradiance, radiance, &bars))?;
     outputs.file("patches.csv", |file| output::write_patches(file, &patches, irradiance, radiance, &bars))?;
@@ -171,7 +159,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         })?;
     }
     if args.lamp_groups {
-        let lamps: Vec<_> = names.into_iter().zip(&by_group).collect();
+        let of_groups: Vec<_> = of_groups.iter().map(Solution::means).collect();
+        let lamps: Vec<_> = groups.iter().map(|(name, _)| name.as_str()).zip(&of_groups).collect();
         outputs.file("lamp_groups.csv", |file| output::write_lamp_groups(file, &patches, &lamps))?;
     }
     args.picture.write(&picture, &mut outputs)?;
@@ -184,16 +173,16 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         patches: patches.len(),
         rays: factors.rays(),
         channels: scene.channels(),
-        basis: basis.name(),
+        basis: problem.basis().name(),
         storage: factors.exchange().storage_name(),
         plan,
         stages: terminal.stages(),
-        series: SeriesSummary::new(&series, solution, patches.unit_of_area()),
+        series: SeriesSummary::new(&series, solution),
         solver: solution.report.clone(),
         energy: (&energy).into(),
         closure: *factors.exchange().closure(),
         photometry,
-        undershoot: Undershoot::of(k.mass(), &solution.radiance),
+        undershoot: Undershoot::of(problem.operator().mass(), &solution.radiance),
         error: bars.budget.clone(),
         steps,
         warnings: scene.warnings().to_vec(),
@@ -209,6 +198,20 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()))?;
     verdict::warn(&summary.verdict, terminal);
     args.strict.conclude(&summary.verdict)
+}
+
+/// The lamps of each material by name, and all lights without area.
+fn lamp_groups(problem: &Problem, patches: &Patches) -> Vec<(String, Sources)> {
+    let basis = problem.basis();
+    let mut groups: Vec<(String, Sources)> = patches
+        .lamp_groups()
+        .into_iter()
+        .map(|group| (group.material, basis.coefficients_of(&group.emitted).into()))
+        .collect();
+    if problem.sources().direct.is_some() {
+        groups.push((LIGHTS.to_owned(), problem.sources().without_emission()));
+    }
+    groups
 }
 
 /// What the user wants to know, in a dozen lines.

@@ -11,9 +11,10 @@
 //!
 //! The worst of the four decides, and all that is said follows from this one decision.
 
-use super::super::PathTraced;
-use super::difference::{self, Difference, Place};
+use super::difference;
+use super::difference::{Difference, Place};
 use super::mesh_error::MeshError;
+use crate::measure::PathTraced;
 use crate::patches::Patches;
 
 /// The chance of calling a right answer different, all four looks together.

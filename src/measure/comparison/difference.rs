@@ -4,7 +4,7 @@
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
-use super::super::PathTraced;
+use crate::measure::PathTraced;
 use crate::patches::Patches;
 
 /// Of a field, its reference and that reference's noise over all places, area-weighted.

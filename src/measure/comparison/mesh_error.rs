@@ -6,12 +6,12 @@
 
 use nalgebra::DMatrix;
 
-use super::super::MeasureError;
+use crate::measure::MeasureError;
 use crate::patches::{PatchError, PatchSize, Patches, Tessellation};
 use crate::progress::Progress;
-use crate::solve::{CgOptions, conjugate_gradients};
+use crate::solve::{CgOptions, Problem};
 use crate::trace::Tracer;
-use crate::transport::{FormFactors, LightOptions, Shots, Sources, TraceOptions, Transport, TransportError};
+use crate::transport::{FormFactors, LightOptions, Shots, TraceOptions, TransportError};
 
 /// The scene solved on a coarser and a finer cut.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,11 +78,9 @@ fn irradiance(
     factors: &FormFactors,
     (seed, caustics): (u64, Shots),
 ) -> Result<DMatrix<f64>, MeasureError> {
-    let k = Transport::of(factors, patches)?;
     let light = LightOptions { seed, caustics, ..Default::default() };
-    let sources = Sources::trace(tracer, patches, k.basis(), &light)?;
-    let solution = conjugate_gradients(&k, &sources.right_hand_side(&k), &CgOptions::default())?;
-    Ok(solution.under(&sources).means(k.basis()).irradiance)
+    let problem = Problem::new(tracer, patches, factors, &light)?;
+    Ok(problem.conjugate_gradients(&CgOptions::default())?.means().irradiance)
 }
 
 /// The leg of a right-angled patch such that smaller ones make up a quarter of all area, metres. By number,

@@ -15,12 +15,12 @@ use std::time::Instant;
 
 use nalgebra::DMatrix;
 
-use super::super::{MeasureError, PathTraced};
 use super::Difference;
+use crate::measure::{MeasureError, PathTraced};
 use crate::patches::Basis;
 use crate::progress::Progress;
-use crate::solve::Amplification;
-use crate::transport::{Sources, Transport};
+use crate::solve::{Amplification, Problem};
+use crate::transport::Transport;
 
 /// How far to sum the series.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,7 @@ pub struct OrderRow {
 }
 
 impl OrderRow {
-    /// Sums the series of E (N × c) until its bound is small enough, comparing each order's irradiance with
+    /// Sums a problem's series until its bound is small enough, comparing each order's irradiance with
     /// the direct solution's (N × c) and, by patch, with the reference.
     ///
     /// # Errors
@@ -66,14 +66,14 @@ impl OrderRow {
     /// # Panics
     /// If the shapes differ.
     pub fn all(
-        k: &Transport,
-        sources: &Sources,
+        problem: &Problem,
         direct: &DMatrix<f64>,
         reference: &PathTraced,
         amplification: &Amplification,
         options: &OrderOptions,
     ) -> Result<Vec<Self>, MeasureError> {
-        let mut series = Irradiances::new(k, sources, amplification);
+        let k = problem.operator();
+        let mut series = Irradiances::new(problem, amplification);
         let norm = root_mean_square(k, direct);
         let relative = |x: f64| if x == 0.0 { 0.0 } else { x / norm };
         let mut rows: Vec<Self> = Vec::new();
@@ -100,8 +100,8 @@ impl OrderRow {
 }
 
 /// The series of irradiances: h_0, h_1, … and their sum so far.
-struct Irradiances<'k, 'f> {
-    k: &'k Transport<'f>,
+struct Irradiances<'k> {
+    k: &'k Transport,
     amplification: &'k Amplification,
     /// KᵏE.
     term: DMatrix<f64>,
@@ -112,10 +112,11 @@ struct Irradiances<'k, 'f> {
     before: Option<DMatrix<f64>>,
 }
 
-impl<'k, 'f> Irradiances<'k, 'f> {
-    fn new(k: &'k Transport<'f>, sources: &Sources, amplification: &'k Amplification) -> Self {
-        let term = sources.right_hand_side(k);
-        let sum = sources.direct.clone().unwrap_or_else(|| DMatrix::zeros(term.nrows(), term.ncols()));
+impl<'k> Irradiances<'k> {
+    fn new(problem: &'k Problem, amplification: &'k Amplification) -> Self {
+        let (k, term) = (problem.operator(), problem.right_hand_side().clone());
+        let sum =
+            problem.sources().direct.clone().unwrap_or_else(|| DMatrix::zeros(term.nrows(), term.ncols()));
         Self { k, amplification, term, sum, last: None, before: None }
     }
 

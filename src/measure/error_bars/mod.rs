@@ -19,8 +19,7 @@ use serde::Serialize;
 use super::MeasureError;
 use crate::patches::{FaceRow, Patches};
 use crate::progress::Progress;
-use crate::solve::{Certainty, Solution};
-use crate::transport::{FormFactors, Sources};
+use crate::solve::{Certainty, Problem, Solution};
 pub(super) use mesh::Insight;
 use mesh::MeshError;
 use noise::Noise;
@@ -107,19 +106,18 @@ impl ErrorBudget {
 }
 
 impl ErrorBars {
-    /// Estimates the errors of a solution by coefficients, with irradiance of all lights.
+    /// Estimates the errors of a problem's solution by coefficients.
     ///
     /// # Errors
     /// `Transport(NoRays)` unless the rays of the form factors were kept; `Cancelled`.
     pub fn of(
         patches: &Patches,
-        factors: &FormFactors,
-        sources: &Sources,
+        problem: &Problem,
         solution: &Solution,
         progress: Progress,
     ) -> Result<Self, MeasureError> {
         progress.at("solve", 0.0)?;
-        let basis = factors.basis();
+        let (factors, sources, basis) = (problem.factors(), problem.sources(), problem.basis());
         let [radiance, irradiance] =
             [&solution.radiance, &solution.irradiance].map(|field| basis.means(field));
         let of_linear = factors.by_patch();
@@ -213,7 +211,7 @@ fn mesh_part(merging: &DMatrix<f64>, variation: &[DMatrix<f64>; 2], at: (usize, 
 /// What a solver may have left out, per channel, as root mean square over area of what it may have over
 /// étendue.
 fn left_out(patches: &Patches, missing: &[f64]) -> Vec<f64> {
-    let (areas, etendues) = (patches.areas(), patches.etendues());
+    let (areas, etendues) = (patches.normalised_areas(), patches.normalised_etendues());
     let sum = |values: &[f64]| values.iter().sum::<f64>();
     let most = areas.iter().zip(etendues).map(|(area, etendue)| area / etendue).fold(0.0, f64::max);
     let stretch = if areas.is_empty() { 0.0 } else { (most * sum(etendues) / sum(areas)).sqrt() };

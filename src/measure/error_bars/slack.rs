@@ -37,21 +37,21 @@ pub(super) fn missing(
     [radiance, irradiance]: [&DMatrix<f64>; 2],
 ) -> Result<Option<DMatrix<f64>>, MeasureError> {
     let lacks =
-        |exchange: &crate::transport::Exchange| exchange.slack().sum() > NOTHING * exchange.areas().sum();
+        |exchange: &crate::transport::Exchange| exchange.ends().slack.sum() > NOTHING * exchange.sums().sum();
     if !by_patch.exchanges().iter().any(lacks) {
         return Ok(None);
     }
     let k = Transport::new(by_patch, Reflection::of(patches))?;
     let share = |i: usize, c: usize| {
         let exchange = by_patch.exchange_of(c);
-        exchange.slack()[i] / exchange.areas()[i]
+        exchange.ends().slack[i] / exchange.sums()[i]
     };
     let (n, channels) = radiance.shape();
     let t = DMatrix::from_fn(n, channels, |i, c| {
         let share = share(i, c);
         if share < 1.0 - ALL { share / (1.0 - share) } else { 0.0 }
     });
-    let areas = DMatrix::from_column_slice(n, 1, patches.areas());
+    let areas = DMatrix::from_column_slice(n, 1, patches.normalised_areas());
     let typical = |c: usize| {
         let squares = irradiance.column(c).component_mul(&irradiance.column(c)).dot(&areas);
         (squares / areas.sum()).sqrt()

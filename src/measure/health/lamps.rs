@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use super::edges::{Edges, Groups};
 use super::{Finding, Grade, shape};
 use crate::scene::Side;
-use crate::trace::sampling::{self, Stream};
-use crate::trace::{Ray, Tracer};
+use crate::trace::sampling::Stream;
+use crate::trace::{Ray, Tracer, sampling};
 
 /// Rays in all, and the fewest and most from a side of a face.
 const BUDGET: usize = 1 << 15;

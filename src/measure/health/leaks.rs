@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use super::{Finding, Grade, shape};
 use crate::patches::{Facet, Patches};
 use crate::scene::Side;
-use crate::trace::sampling::{self, SEQUENCE_END, Stream};
-use crate::trace::{Destination, Ray, Tint, Tracer};
+use crate::trace::sampling::{SEQUENCE_END, Stream};
+use crate::trace::{Destination, Ray, Tint, Tracer, sampling};
 
 /// Paths of light that are followed, and after how many bounces they are given up.
 const PATHS: u32 = SEQUENCE_END;

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use super::{Finding, Grade};
 use crate::patches::{Patches, Slot};
 use crate::progress::Progress;
-use crate::solve::{Amplification, CgOptions, SolveError};
+use crate::solve::{Amplification, CgOptions, Problem, SolveError};
 use crate::transport::{Exchange, FormFactors, Transport, TransportError};
 
 /// What rounding may do to a sum of shares.
@@ -45,10 +45,11 @@ pub fn operator_health(
     .into_iter()
     .flatten()
     .collect();
-    match Transport::of(factors, patches) {
-        Ok(k) => {
-            findings.push(norm(&k));
-            findings.push(condition(&k, patches, progress)?);
+    match Problem::unlit(patches, factors) {
+        Ok(problem) => {
+            let k = problem.operator();
+            findings.push(norm(k));
+            findings.push(condition(k, patches, progress)?);
         }
         Err(error) => findings.push(unsolvable(&error, patches)),
     }
@@ -59,8 +60,8 @@ pub fn operator_health(
 fn closure(exchange: &Exchange, patches: &Patches) -> Finding {
     let sums = sums(exchange);
     let off = |i: usize| {
-        let error = (sums[i] + exchange.leaving()[i] - exchange.areas()[i]).abs();
-        error / exchange.areas()[i]
+        let error = (sums[i] + exchange.ends().leaving[i] - exchange.sums()[i]).abs();
+        error / exchange.sums()[i]
     };
     let value = (0..exchange.len()).map(off).fold(0.0, f64::max);
     let finding = Finding::good("closure", value, Some("of light gained or lost"));
@@ -94,7 +95,7 @@ fn reciprocity(exchange: &Exchange) -> Finding {
 /// The greatest sum of a patch's form factors, 1 in a closed place.
 fn row_sums(exchange: &Exchange, patches: &Patches) -> Finding {
     let sums = sums(exchange);
-    let sum = |i: usize| sums[i] / exchange.areas()[i];
+    let sum = |i: usize| sums[i] / exchange.sums()[i];
     let sum = |patch: usize| coefficients(exchange, patch).map(sum).fold(0.0, f64::max);
     let value = (0..patches.len()).map(sum).fold(0.0, f64::max);
     let finding = Finding::good("row sums", value, Some("at most"));

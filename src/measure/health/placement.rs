@@ -8,8 +8,8 @@ use glam::DVec3;
 use super::edges::Edges;
 use super::{Grade, lamps};
 use crate::scene::{Light, Scene, Side};
-use crate::trace::sampling::{self, Sequence, Stream};
-use crate::trace::{Ray, Tracer};
+use crate::trace::sampling::{Sequence, Stream};
+use crate::trace::{Ray, Tracer, sampling};
 
 /// Directions in which a place looks around.
 const LOOKS: u32 = 64;

@@ -8,8 +8,8 @@
 
 use nalgebra::DMatrix;
 
-use super::super::ReferenceRow;
 use super::photons::Photons;
+use crate::measure::ReferenceRow;
 use crate::patches::{FaceRow, Patches};
 
 /// Paths in a batch: the more the better they complement each other; where there are many patches, few, for

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::super::{Budget, MeasureError, PathOptions, PathTraced, PathTracer};
+use crate::measure::{Budget, MeasureError, PathOptions, PathTraced, PathTracer};
 use crate::patches::{FaceRow, Patches};
 use crate::progress::Progress;
 use crate::scene::Side;

@@ -4,16 +4,17 @@
 
 use std::time::Instant;
 
-use super::super::{Answer, Budget, Energy, MeasureError, PathOptions, PathTracer, Verdict};
 use super::StudyOptions;
 use super::grid::Cell;
 use super::reference::StudyReference;
 use super::row::{StudyRow, StudySolver};
+use crate::measure::{Answer, Budget, Energy, MeasureError, PathOptions, PathTracer, Verdict};
 use crate::patches::{FaceRow, PatchSize, Patches, Tessellation};
 use crate::progress::Progress;
-use crate::solve::{self, Method, SolveOptions};
+use crate::solve;
+use crate::solve::{Method, Problem, SolveOptions};
 use crate::trace::Tracer;
-use crate::transport::{FormFactors, LightOptions, Sources, TraceOptions, Transport};
+use crate::transport::{FormFactors, LightOptions, TraceOptions};
 
 /// Orders at which the series is truncated.
 const ORDERS: [usize; 5] = [1, 2, 4, 8, 16];
@@ -82,41 +83,37 @@ pub(super) fn measure_cell(
         let trace =
             TraceOptions { rays: Some(cell.rays), seed, basis, memory, progress, ..TraceOptions::default() };
         let factors = FormFactors::trace(tracer, &mut cut, &trace)?;
-        let k = Transport::of(&factors, &cut)?;
         let light = LightOptions { rays: cell.rays, seed, progress, ..Default::default() };
-        let sources = Sources::trace(tracer, &cut, basis, &light)?;
-        let e = sources.right_hand_side(&k);
+        let problem = Problem::new(tracer, &cut, &factors, &light)?;
         let before = began.elapsed().as_secs_f64();
         if repeat == 0 {
             patches = cut.len();
-            if solve::is_quick(&k, memory) {
+            if solve::is_quick(problem.operator(), memory) {
                 ways.insert(1, Way::new(StudySolver::Direct, None));
             }
         }
         for way in &mut ways {
             let began = Instant::now();
             let solve_options = solve_options(way, memory, progress);
-            let solved = solve::solve(&k, &e, &solve_options)?;
+            let solved = problem.solve(&solve_options)?;
             way.seconds.push([before, began.elapsed().as_secs_f64()]);
             way.iterations = solved.report.iterations;
-            let solved = solved.under(&sources);
             if repeat == 0 && way.solver == StudySolver::Cg {
                 verdict = Verdict::of(&Answer {
                     tracer,
                     patches: &cut,
-                    operator: &k,
-                    sources: &sources,
+                    problem: &problem,
                     solution: &solved,
-                    energy: &Energy::of(&k, &sources, &solved.radiance, cut.unit_of_area()),
+                    energy: &Energy::of(&problem, &solved.radiance),
                     budget: None,
                     tolerance: solve_options.tolerance,
                 });
             }
             way.bytes = factors.exchange().bytes();
             if way.solver == StudySolver::Direct {
-                way.bytes += solve::factor_bytes(&k);
+                way.bytes += solve::factor_bytes(problem.operator());
             }
-            way.answers.push(cut.average_by_face(&solved.means(basis).irradiance));
+            way.answers.push(cut.average_by_face(&solved.means().irradiance));
         }
     }
     let rows = ways.into_iter().map(|way| way.row(patches, cell.rays, cell.patches, reference));

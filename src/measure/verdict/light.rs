@@ -4,8 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use super::places;
-use super::{Answer, Cause, DOUBTFUL, Energy, Level, Reason};
+use super::{Answer, Cause, DOUBTFUL, Energy, Level, Reason, places};
 use crate::measure::ErrorPart;
 use crate::scene::{Scene, Side};
 use crate::trace::OverlapKind;
@@ -20,13 +19,13 @@ const STANDARD_ERRORS: f64 = 4.0;
 pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {
     let scene = answer.tracer.scene();
     let solution = answer.solution;
-    let each = answer.operator.basis().coefficients();
+    let each = answer.problem.operator().basis().coefficients();
     let is_broken = |i: &usize| {
         [&solution.radiance, &solution.irradiance]
             .iter()
             .any(|field| field.row(*i).iter().any(|x| !x.is_finite()))
     };
-    let broken = (0..answer.operator.len()).filter(is_broken);
+    let broken = (0..answer.problem.operator().len()).filter(is_broken);
     let mut faces: Vec<usize> = broken.map(|i| answer.patches.place(i / each).face).collect();
     faces.dedup();
     let energy = answer.energy;
@@ -56,9 +55,10 @@ pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {
 /// All emission of the scene is among the sources: that of patches, entry by entry, and that of faces whose
 /// front is no patch. The latter is covered by other faces, which may be meant, and so is doubtful at most.
 pub(super) fn missing_lamps(answer: &Answer) -> Option<Reason> {
-    let Answer { tracer, patches, sources, .. } = *answer;
+    let Answer { tracer, patches, problem, .. } = *answer;
+    let sources = problem.sources();
     let scene = tracer.scene();
-    let wanted = answer.operator.basis().coefficients_of(&patches.sources());
+    let wanted = answer.problem.operator().basis().coefficients_of(&patches.emitted_radiance());
     let lack = &wanted - &sources.emitted;
     let mut missing = places::power(answer, &lack, PI, |i, c| lack[(i, c)] != 0.0);
     let most = if missing.is_empty() { Level::Doubtful } else { Level::Bad };
@@ -98,7 +98,8 @@ pub(super) struct Residual {
 
 impl Residual {
     pub fn of(answer: &Answer) -> Self {
-        let Answer { operator, sources, solution, .. } = *answer;
+        let Answer { problem, solution, .. } = *answer;
+        let (operator, sources) = (problem.operator(), problem.sources());
         let mut irradiance = operator.irradiance(&solution.radiance);
         if let Some(direct) = &sources.direct {
             irradiance += direct;
@@ -113,7 +114,7 @@ impl Residual {
 /// 0.1 % or ten tolerances.
 pub(super) fn unsolved(answer: &Answer, residual: &Residual) -> Option<Reason> {
     let Residual { irradiance, radiance, share } = residual;
-    let mass = answer.operator.mass().sums();
+    let mass = answer.problem.operator().mass().sums();
     let rms = |c: usize| {
         let squares: f64 = irradiance.column(c).iter().zip(mass).map(|(h, area)| area * h * h).sum();
         (squares / mass.sum()).sqrt()
@@ -166,7 +167,7 @@ pub(super) fn overlaps(answer: &Answer) -> Option<Reason> {
 
 /// Sides of faces whose rays to and fro find different amounts of light.
 pub(super) fn directions(answer: &Answer) -> Option<Reason> {
-    let pairs = answer.operator.factors().disagreements().iter();
+    let pairs = answer.problem.operator().factors().disagreements().iter();
     let faces = pairs.flat_map(|pair| pair.sides).map(|(face, _)| face);
     listed(answer, Cause::Directions, Level::Doubtful, faces.collect())
 }
@@ -178,7 +179,7 @@ fn listed(answer: &Answer, cause: Cause, level: Level, mut faces: Vec<usize>) ->
     }
     faces.sort_unstable();
     faces.dedup();
-    let each = answer.operator.basis().coefficients();
+    let each = answer.problem.operator().basis().coefficients();
     let is_listed = |i: usize, _| faces.binary_search(&answer.patches.place(i / each).face).is_ok();
     let irradiance = &answer.solution.irradiance;
     let arriving = places::power(answer, irradiance, 1.0, is_listed);

@@ -21,9 +21,8 @@ use serde::Serialize;
 use super::{Energy, ErrorBudget};
 use crate::patches::Patches;
 use crate::scene::{Feature, Scene};
-use crate::solve::Solution;
+use crate::solve::{Problem, Solution};
 use crate::trace::Tracer;
-use crate::transport::{Sources, Transport};
 
 /// The share of the power from which on an answer is doubtful, and bad.
 const DOUBTFUL: f64 = 1e-3;
@@ -215,11 +214,9 @@ pub struct Answer<'a> {
     pub tracer: &'a Tracer<'a>,
     /// The cut.
     pub patches: &'a Patches<'a>,
-    /// The operator.
-    pub operator: &'a Transport<'a>,
-    /// The light that starts.
-    pub sources: &'a Sources,
-    /// Radiance and irradiance of all lights, by coefficients.
+    /// The operator and the light that starts.
+    pub problem: &'a Problem,
+    /// Radiance and irradiance, by coefficients.
     pub solution: &'a Solution,
     /// Where the power goes.
     pub energy: &'a Energy,

@@ -60,8 +60,8 @@ pub(super) fn power(
     factor: f64,
     is_wrong: impl Fn(usize, usize) -> bool,
 ) -> Places {
-    let (patches, mass) = (answer.patches, answer.operator.mass().sums());
-    let each = answer.operator.basis().coefficients();
+    let (patches, mass) = (answer.patches, answer.problem.operator().mass().sums());
+    let each = answer.problem.operator().basis().coefficients();
     let mut places = Places::new(field.ncols());
     for (i, area) in mass.iter().enumerate() {
         for c in (0..field.ncols()).filter(|&c| is_wrong(i, c)) {

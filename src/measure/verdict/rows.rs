@@ -38,7 +38,8 @@ struct Escape {
 
 /// Judges closure, slack, escape from closed surfaces and patches without rays.
 pub(super) fn judge(answer: &Answer) -> Rows {
-    let Answer { patches, operator, solution, .. } = *answer;
+    let Answer { patches, problem, solution, .. } = *answer;
+    let operator = problem.operator();
     let (channels, each) = (operator.channels(), operator.basis().coefficients());
     let new = || Places::new(channels);
     let (mut open, mut unclosed, mut slack, mut without_rays) = (new(), new(), new(), new());
@@ -49,12 +50,12 @@ pub(super) fn judge(answer: &Answer) -> Rows {
     let mut usual = Vec::with_capacity(channels);
     for c in 0..channels {
         let (exchange, sums) = (operator.exchange_of(c), &sums_by_tone[operator.tone_of(c)]);
-        let (areas, slack_of) = (exchange.areas(), exchange.slack());
+        let (areas, slack_of) = (exchange.sums(), &exchange.ends().slack);
         usual.push(areas.dot(&solution.irradiance.column(c)) / areas.sum());
         for i in 0..operator.len() {
             let face = patches.place(i / each).face;
             let sent = PI * patches.unit_of_area() * solution.radiance[(i, c)].abs();
-            let lack = areas[i] - sums[i] - exchange.leaving()[i];
+            let lack = areas[i] - sums[i] - exchange.ends().leaving[i];
             let unexplained = (lack - slack_of[i]).abs();
             open.add(face, c, sent * unexplained);
             if lack > EMPTY * areas[i] {
@@ -66,7 +67,7 @@ pub(super) fn judge(answer: &Answer) -> Rows {
                 slack.add(face, c, sent * slack_of[i]);
             }
             let escape = &mut escapes[i / each];
-            escape.power[c] += sent * exchange.escape(i);
+            escape.power[c] += sent * exchange.ends().escape(i);
             escape.sees_nothing &= sums[i] == 0.0;
         }
     }
@@ -106,12 +107,12 @@ pub(super) fn judge(answer: &Answer) -> Rows {
 
 /// The faces that lack a notable part of what they exchange.
 fn short_faces(answer: &Answer) -> HashSet<usize> {
-    let Answer { patches, operator, .. } = *answer;
+    let (patches, operator) = (answer.patches, answer.problem.operator());
     let each = operator.basis().coefficients();
     let of_channel = |c: usize| {
         let exchange = operator.exchange_of(c);
         let mut slack_and_area: HashMap<usize, [f64; 2]> = HashMap::new();
-        for (i, (slack, area)) in exchange.slack().iter().zip(exchange.areas()).enumerate() {
+        for (i, (slack, area)) in exchange.ends().slack.iter().zip(exchange.sums()).enumerate() {
             let [lack, all] = slack_and_area.entry(patches.place(i / each).face).or_default();
             (*lack, *all) = (*lack + slack, *all + area);
         }
@@ -129,12 +130,13 @@ fn sums(exchange: &Exchange) -> DMatrix<f64> {
 
 /// The patches from which rays escape though they are inside a closed surface.
 fn enclosed(answer: &Answer, escapes: Vec<Escape>) -> Vec<Escape> {
-    let Answer { tracer, patches, operator, .. } = *answer;
+    let Answer { tracer, patches, problem, .. } = *answer;
+    let operator = problem.operator();
     let each = operator.basis().coefficients();
     let lets_out = |patch: usize| {
         (0..operator.channels()).any(|c| {
             let exchange = operator.exchange_of(c);
-            (each * patch..each * (patch + 1)).any(|i| exchange.escape(i) > EXACT * exchange.areas()[i])
+            (each * patch..each * (patch + 1)).any(|i| exchange.ends().escape(i) > EXACT * exchange.sums()[i])
         })
     };
     let mut escapes: Vec<Escape> = escapes.into_iter().filter(|escape| lets_out(escape.patch)).collect();

@@ -5,11 +5,12 @@ use std::io::{self, Write};
 
 use nalgebra::DMatrix;
 
-use super::super::tone::luminance;
-use super::super::{Exposure, OutputError, Picture, RenderOptions, Surfaces, render};
 use super::canvas::{Area, Canvas, GREY};
 use super::panel::{MARGIN, TITLE, draw_picture, draw_title, enlargement};
-use super::text::{self, TextSize};
+use super::text;
+use super::text::TextSize;
+use crate::output::tone::luminance;
+use crate::output::{Exposure, OutputError, Picture, RenderOptions, Surfaces, render};
 use crate::patches::Patches;
 use crate::scene::Camera;
 use crate::trace::Tracer;

@@ -8,13 +8,13 @@ use std::io::{self, Write};
 
 use rayon::prelude::*;
 
-use super::super::tone::luminance;
-use super::super::{Exposure, Picture};
 use super::canvas::{Area, Canvas, GREY, INK};
 use super::diverging::diverging;
 use super::panel::{MARGIN, TITLE, draw_picture, draw_pixels, draw_title, enlargement};
-use super::round_up;
-use super::text::{self, TextSize};
+use super::text::TextSize;
+use super::{round_up, text};
+use crate::output::tone::luminance;
+use crate::output::{Exposure, Picture};
 
 /// Height of the colour scale, of the ticks below it, and of all of that with labels.
 const SCALE: usize = 14;

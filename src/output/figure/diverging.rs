@@ -3,8 +3,8 @@
 //! Lightness falls in proportion to the amount, in the colour space OKLab (Ottosson 2020), the same on both
 //! sides. Red and blue are told apart with any kind of colour blindness.
 
-use super::super::tone::to_byte;
 use super::canvas::Colour;
+use crate::output::tone::to_byte;
 
 /// OKLab lightness and chroma at the ends, hues in radians: an orange red and a blue.
 const DARKEST: f64 = 0.42;

@@ -4,13 +4,13 @@
 use std::f64::consts::TAU;
 use std::io::{self, Write};
 
-use super::super::Picture;
-use super::super::tone::{luminance, to_byte};
 use super::canvas::{Area, Canvas, Colour, GREY, INK};
 use super::diverging::oklab_to_linear;
 use super::panel::{MARGIN, TITLE, draw_pixels, draw_title, enlargement};
-use super::round_up;
-use super::text::{self, TextSize};
+use super::text::TextSize;
+use super::{round_up, text};
+use crate::output::Picture;
+use crate::output::tone::{luminance, to_byte};
 
 /// Steps of the legend, from nothing to the highest value shown.
 const STEPS: usize = 10;

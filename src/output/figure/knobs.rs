@@ -5,11 +5,11 @@ use std::io::{self, Write};
 
 use plotters::prelude::*;
 
-use super::super::StudySummary;
 use super::axes::{BLUE, DARK, GREY, Stroke, VERMILION};
 use super::loglog::{Axis, Curve, Drawn, LogPlot, Mark, Place, Point, draw_plot, number, seconds, share};
 use super::study::{by_patches, point, shade};
 use crate::measure::{Slope, StudyRow, StudySolver, Trend};
+use crate::output::StudySummary;
 
 /// Width and height of the figure, pixels.
 const SIZE: (u32, u32) = (1120, 820);

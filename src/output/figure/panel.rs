@@ -1,8 +1,9 @@
 //! Panel: a picture in its place on a canvas, with a title above it.
 
-use super::super::{Exposure, Picture};
 use super::canvas::{Area, Canvas, Colour, GREY, INK};
-use super::text::{self, TextSize};
+use super::text;
+use super::text::TextSize;
+use crate::output::{Exposure, Picture};
 
 /// Space around everything, pixels.
 pub(super) const MARGIN: usize = 18;

@@ -4,10 +4,10 @@ use std::io::{self, Write};
 
 use plotters::prelude::*;
 
-use super::super::StudySummary;
 use super::axes::{BLUE, DARK, GREY, Stroke, VERMILION, short_percent};
 use super::loglog::{Axis, Curve, Drawn, LogPlot, Mark, Place, Point, draw_plot, seconds, share};
 use crate::measure::{StudyRow, StudySolver};
+use crate::output::StudySummary;
 
 /// Width and height, pixels.
 const SIZE: (u32, u32) = (960, 600);

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use nalgebra::DMatrix;
 
-use super::super::{SmoothField, to_rgb};
+use crate::output::{SmoothField, to_rgb};
 use crate::patches::{Barycentrics, Basis, Patches};
 use crate::trace::Tracer;
 
@@ -73,8 +73,8 @@ pub(super) fn rgb_rows(radiance: &DMatrix<f64>) -> impl Iterator<Item = DVec3> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::tests::{by_corners, cut, quad, triangles};
     use super::*;
+    use crate::output::tests::{by_corners, cut, quad, triangles};
     use crate::patches::Reach;
     use crate::scene::Material;
     use crate::trace::sampling::{Stream, uniform_triangle};

@@ -12,10 +12,10 @@ use std::f64::consts::FRAC_1_PI;
 use glam::DVec3;
 use nalgebra::DMatrix;
 
-use super::super::to_rgb;
 use super::field::{Elements, Field, rgb_rows};
 use super::highlights::{Highlights, Views};
 use super::reflections::rgb_of;
+use crate::output::to_rgb;
 use crate::patches::{Barycentrics, Patches};
 use crate::scene::Side;
 use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around};
@@ -85,7 +85,7 @@ impl<'a, 's> Gather<'a, 's> {
                 .collect(),
             transmittance: materials.iter().map(|m| Some(to_rgb(m.transmittance()?).into())).collect(),
             emission: materials.iter().map(|m| to_rgb(&m.emission).into()).collect(),
-            emitted: tracer.scene().has_textures().then(|| rgb_rows(&patches.sources()).collect()),
+            emitted: tracer.scene().has_textures().then(|| rgb_rows(&patches.emitted_radiance()).collect()),
         }
     }
 
@@ -303,9 +303,9 @@ impl<'a, 's> Gather<'a, 's> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::tests::{cut, quad, triangles};
     use super::super::{RenderOptions, Shading, render};
     use super::*;
+    use crate::output::tests::{cut, quad, triangles};
     use crate::patches::Reach;
     use crate::scene::{Camera, Material};
     use crate::trace::form_factor_to_triangle;
@@ -330,7 +330,7 @@ mod tests {
             let shading = Shading::Gather;
             let options =
                 RenderOptions { width: side, height: side, shading, samples, seed, ..Default::default() };
-            render(&tracer, &patches, &patches.sources(), &camera, &options).unwrap().pixels
+            render(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap().pixels
         };
         let at = tracer.frame().from_world(target);
         let form_factor = |f: usize| form_factor_to_triangle(at, DVec3::Y, tracer.corners(f));

@@ -22,15 +22,6 @@ use glam::{DVec2, DVec3};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use self::field::Field;
-use self::gather::Gather;
-use self::highlights::{Highlights, Views};
-use self::lens::Lens;
-use self::numbers::Numbers;
-use self::outlines::dimming;
-use self::painted::Painted;
-use self::reflections::{Chances, seen_along};
-use self::samples::{FEW, MANY, Samples, Seen, rough_pixels, stratified};
 use super::limiter::limited;
 use super::{OutputError, Picture, to_rgb};
 use crate::measure::PathTracer;
@@ -38,6 +29,15 @@ use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{Camera, Side, Sky, SkyShares};
 use crate::trace::{Hit, Ray, Tracer};
+use field::Field;
+use gather::Gather;
+use highlights::{Highlights, Views};
+use lens::Lens;
+use numbers::Numbers;
+use outlines::dimming;
+use painted::Painted;
+use reflections::{Chances, seen_along};
+use samples::{FEW, MANY, Samples, Seen, rough_pixels, stratified};
 
 /// How radiance is found where a camera ray ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -409,7 +409,7 @@ mod tests {
         let patches = cut(&tracer, 3.0, Reach::Light);
         let camera =
             Camera { position: DVec3::new(0.0, 0.0, 4.0), target: DVec3::ZERO, up: DVec3::Y, fov: 60.0 };
-        let picture = render(&tracer, &patches, &patches.sources(), &camera, &small()).unwrap();
+        let picture = render(&tracer, &patches, &patches.emitted_radiance(), &camera, &small()).unwrap();
         for (k, pixel) in picture.pixels.iter().enumerate() {
             let lit = k % 40 >= 20;
             assert_eq!(*pixel, if lit { [1.0, 2.0, 3.0] } else { [0.0; 3] });
@@ -476,7 +476,7 @@ mod tests {
         let tracer = Tracer::new(&scene);
         let patches = cut(&tracer, 0.5, Reach::Light);
         let options = RenderOptions { progress: Progress::to(&Stop), ..small() };
-        let stopped = render(&tracer, &patches, &patches.sources(), &inside(), &options);
+        let stopped = render(&tracer, &patches, &patches.emitted_radiance(), &inside(), &options);
         assert!(matches!(stopped, Err(OutputError::Cancelled(_))));
     }
 
@@ -485,7 +485,7 @@ mod tests {
         let scene = room(Material::lamp("wall", &[0.5], &[1.0]));
         let tracer = Tracer::new(&scene);
         let patches = cut(&tracer, 0.5, Reach::Light);
-        let sources = patches.sources();
+        let sources = patches.emitted_radiance();
         for (width, height) in [(0, 30), (40, 0), (40_000, 1), (usize::MAX, usize::MAX), (32768, 4097)] {
             let options = RenderOptions { width, height, ..small() };
             let refused = render(&tracer, &patches, &sources, &inside(), &options);

@@ -8,8 +8,8 @@
 use glam::DVec3;
 use nalgebra::DMatrix;
 
-use super::super::to_rgb;
 use super::field::Field;
+use crate::output::to_rgb;
 use crate::patches::{Basis, Patches};
 use crate::scene::{Scene, Side};
 use crate::trace::Hit;
@@ -37,7 +37,7 @@ impl<'a, 's> Painted<'a, 's> {
             return None;
         }
         let basis = Basis::of(patches, radiance);
-        let emitted = basis.coefficients_of(&patches.sources());
+        let emitted = basis.coefficients_of(&patches.emitted_radiance());
         let reflected = radiance.zip_map(&emitted, |all, own| (all - own).max(0.0));
         let passed_on = Reflection::of(patches).passed_on();
         let passed_on = spread(&basis.coefficients_of(&passed_on));

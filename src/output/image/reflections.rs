@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::super::to_rgb;
 use super::highlights::{Highlights, Shine, Views};
+use crate::output::to_rgb;
 use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream};
 use crate::trace::{Hit, Ray, Tint, Tracer};
 

@@ -1,0 +1,143 @@
+//! Crossings: light from points and suns that mirrors, metals and glass throw through a receiver.
+//!
+//! A receiver's points stand in the way of nothing, and no ray that starts in one finds such light. So lights
+//! shoot rays as at patches, and every point has the mean over its cell of the grid: the flux that crosses it
+//! from the front, by the cell's area.
+
+use std::cell::Cell;
+
+use glam::{DMat2, DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::LightOptions;
+use crate::progress::Cancelled;
+use crate::scene::Receiver;
+use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream};
+use crate::trace::{Destination, Lights, Ray, Targets, Tint, Tracer};
+use crate::transport::rows::Shots;
+
+/// Shots that one task takes.
+const TASK: u32 = 1024;
+
+/// Fewest and most sequences of shots from all lights.
+const SEQUENCES: [usize; 2] = [8, 64];
+
+/// The cells of a receiver, normalised frame.
+struct Grid {
+    corner: DVec3,
+    edges: [DVec3; 2],
+    normal: DVec3,
+    /// From scalar products with the edges to coordinates along them.
+    inverse: DMat2,
+    counts: [usize; 2],
+}
+
+impl Grid {
+    fn new(tracer: &Tracer, receiver: &Receiver) -> Self {
+        let edges = receiver.edges.map(|edge| edge / tracer.frame().scale());
+        let [a, b] = edges;
+        let products = DMat2::from_cols(DVec2::new(a.dot(a), a.dot(b)), DVec2::new(a.dot(b), b.dot(b)));
+        Self {
+            corner: tracer.frame().from_world(receiver.corner),
+            edges,
+            normal: receiver.normal(),
+            inverse: products.inverse(),
+            counts: receiver.counts,
+        }
+    }
+
+    /// The area of a cell.
+    fn cell(&self) -> f64 {
+        self.edges[0].cross(self.edges[1]).length() / (self.counts[0] * self.counts[1]) as f64
+    }
+
+    /// The cell that a ray crosses from the front within this distance.
+    #[inline]
+    fn crossed(&self, ray: &Ray, distance: f64) -> Option<usize> {
+        let along = ray.direction.dot(self.normal);
+        let to_plane = (self.corner - ray.origin).dot(self.normal) / along;
+        if along >= 0.0 || !(to_plane > 0.0 && to_plane < distance) {
+            return None;
+        }
+        let from_corner = ray.origin + to_plane * ray.direction - self.corner;
+        let [x, y] = (self.inverse * DVec2::from(self.edges.map(|edge| edge.dot(from_corner)))).to_array();
+        let [columns, rows] = self.counts;
+        let inside = (0.0..1.0).contains(&x) && (0.0..1.0).contains(&y);
+        inside.then(|| (y * rows as f64) as usize * columns + (x * columns as f64) as usize)
+    }
+}
+
+/// Adds to the irradiance of a receiver's points (a value a channel each, W·m⁻²) what lights throw through
+/// its cells.
+pub fn add_crossings(
+    tracer: &Tracer,
+    lights: &Lights,
+    receiver: &Receiver,
+    options: &LightOptions,
+    irradiance: &mut [f64],
+) -> Result<(), Cancelled> {
+    let Some(targets) = Targets::new(tracer, lights).filter(|_| options.caustics == Shots::Shot) else {
+        return Ok(());
+    };
+    let grid = Grid::new(tracer, receiver);
+    let channels = tracer.scene().channels();
+    let wanted = receiver.len() * options.rays as usize / SEQUENCE_END as usize;
+    let [fewest, most] = SEQUENCES;
+    let sequences = wanted.clamp(fewest, most).div_ceil(lights.len().max(1)) as u64;
+    let worth = 1.0 / (grid.cell() * (sequences * u64::from(SEQUENCE_END)) as f64);
+    let shoot = |light: usize, sequence: Sequence, task: u32| {
+        let mut found: Vec<(usize, Vec<f64>)> = Vec::new();
+        let left: Vec<Cell<f64>> = vec![Cell::new(1.0); channels];
+        for point in task * TASK..(task + 1) * TASK {
+            let Some(shot) = targets.shot(tracer, lights, light, sequence.point(point)) else { continue };
+            left.iter().for_each(|left| left.set(1.0));
+            let power = lights.power(light);
+            let mut cross = |ray: &Ray, distance: f64, left: &[f64]| {
+                if let Some(cell) = grid.crossed(ray, distance) {
+                    let flux = power.iter().zip(left).map(|(power, left)| worth * shot.worth * power * left);
+                    found.push((cell, flux.collect()));
+                }
+            };
+            // A leg of the way ends where the next carrier is met.
+            let mut leg: Option<(Ray, Vec<f64>)> = None;
+            let mut is_straight = true;
+            let dims = |tint: Tint, _: f64| {
+                left.iter().zip(tint.parts()).for_each(|(left, part)| left.set(left.get() * part));
+                left.iter().any(|left| left.get() > 0.0)
+            };
+            let numbers = |k: u32| sequence.dimensions(point, k + 1);
+            let end = tracer.follow(&shot.ray, shot.hit, numbers, dims, |before, hit, after| {
+                if let Some((ray, left)) = &leg {
+                    cross(ray, hit.distance, left);
+                }
+                is_straight &= tracer.goes_straight(before, hit, after);
+                leg = (!is_straight).then(|| (*after, left.iter().map(Cell::get).collect()));
+            });
+            if let Some((ray, left)) = &leg {
+                let distance = match end {
+                    Destination::Diffuse { hit, .. } => hit.distance,
+                    Destination::Away(_) => f64::INFINITY,
+                    Destination::Absorbed | Destination::Lost => {
+                        tracer.closest_hit(ray).map_or(f64::INFINITY, |hit| hit.distance)
+                    }
+                };
+                cross(ray, distance, left);
+            }
+        }
+        found
+    };
+    for light in 0..lights.len() {
+        for index in 0..sequences {
+            options.progress.at("receive", 1.0)?;
+            let sequence = Stream::Crossings.sequence(options.seed, light as u32, index);
+            let tasks = (0..SEQUENCE_END / TASK).into_par_iter();
+            let found: Vec<_> = tasks.map(|task| shoot(light, sequence, task)).collect();
+            // Sum up in a fixed order.
+            for (cell, flux) in found.into_iter().flatten() {
+                let values = &mut irradiance[cell * channels..][..channels];
+                values.iter_mut().zip(flux).for_each(|(sum, flux)| *sum += flux);
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,319 @@
+//! Sources: what the right-hand side E = Lₑ + ρH₀/π is made of: emitted radiance, and irradiance by lights
+//! without area.
+//!
+//! For each patch and light H₀ is the mean over the patch of what the light sends, times the share that
+//! nothing hides. Where the mean of the geometry alone is known, the rays only have to tell that share,
+//! weighted by what each would bring: so an unhidden point light is exact.
+
+mod carried_light;
+mod crossings;
+mod direct_light;
+mod lamp_flux;
+mod receivers;
+
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::exchange::Mass;
+use super::operator::Transport;
+use super::rows::Shots;
+use crate::patches::{Basis, Facet, Patches};
+use crate::progress::{Cancelled, Progress};
+use crate::trace::sampling::Stream;
+use crate::trace::{Lights, Ray, SkyBeam, Tracer, sampling};
+pub use carried_light::CarriedLight;
+use carried_light::Measured;
+pub(crate) use lamp_flux::LampFlux;
+pub use receivers::ReceiverRows;
+
+/// Patches between two reports of progress.
+const CHUNK: usize = 4096;
+
+/// How to look for lights without area.
+#[derive(Clone, Copy, Debug)]
+pub struct LightOptions<'a> {
+    /// Rays per patch into the sky, 1 to 65536; a quarter as many go to each light. Time grows in proportion.
+    pub rays: u32,
+    /// Number of the random sequence. The same seed gives the same bits.
+    pub seed: u64,
+    /// Whether lights and the sky shoot rays at mirrors, metals and glass. Without, only what rays of patches
+    /// find of the sky comes by way of these.
+    pub caustics: Shots,
+    /// Pairs of points per patch towards lamps, for scenes without interreflection, rounded up to a multiple
+    /// of 8; `None` for half of the [usual rays](super::TraceOptions::usual_rays).
+    pub lamp_rays: Option<u32>,
+    /// Where to report progress, as stage `light`.
+    pub progress: Progress<'a>,
+}
+
+impl Default for LightOptions<'_> {
+    /// 512 rays.
+    fn default() -> Self {
+        Self { rays: 512, seed: 0, caustics: Shots::Shot, lamp_rays: None, progress: Progress::default() }
+    }
+}
+
+/// The light that starts in a scene, by coefficients (N × c).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sources {
+    /// Emitted radiance Lₑ, W·sr⁻¹·m⁻².
+    pub emitted: DMatrix<f64>,
+    /// Irradiance H₀ by lights without area and the sky, W·m⁻²; none where a scene has none.
+    pub direct: Option<DMatrix<f64>>,
+    /// By how much more H₀ each eighth of the rays towards lights would have found by itself: eight samples
+    /// of its noise, N × c, W·m⁻²; none where there are no such lights.
+    pub spread: Vec<DMatrix<f64>>,
+    /// What of H₀ comes by way of mirrors, metals and glass; none where a scene has none of these, or no such
+    /// lights.
+    pub carried: Option<CarriedLight>,
+    /// Where the light of lamps goes, if what arrives of it is a part of H₀; none where lamps are left to
+    /// form factors.
+    pub(crate) lamps: Option<LampFlux>,
+}
+
+impl Sources {
+    /// Looks from every patch for the scene's lights without area; a scene without them costs no ray.
+    ///
+    /// # Errors
+    /// `Cancelled`.
+    pub fn trace(
+        tracer: &Tracer,
+        patches: &Patches,
+        basis: Basis,
+        options: &LightOptions,
+    ) -> Result<Self, Cancelled> {
+        let emitted = basis.coefficients_of(&patches.emitted_radiance());
+        let Some(lights) = Lights::new(tracer) else { return Ok(emitted.into()) };
+        let rays = options.rays.clamp(1, sampling::SEQUENCE_END);
+        let channels = emitted.ncols();
+        let look = Look { tracer, patches, lights, rays, seed: options.seed, channels };
+        // All rays together, then each part of them by itself.
+        let each = (1 + PARTS) * basis.coefficients() * channels;
+        let mut moments = vec![0.0; each * patches.len()];
+        for (chunk, rows) in moments.chunks_mut(CHUNK * each).enumerate() {
+            options.progress.at("light", (chunk * CHUNK) as f64 / patches.len() as f64)?;
+            rows.par_chunks_mut(each).enumerate().for_each(|(k, row)| match basis {
+                Basis::Constant => look.add_moments::<1>(chunk * CHUNK + k, |_| [1.0], row),
+                Basis::Linear => look.add_moments::<3>(chunk * CHUNK + k, |[u, v]| [1.0 - u - v, u, v], row),
+            });
+        }
+        options.progress.at("light", 1.0)?;
+        let mass = Mass::new(basis, patches.normalised_areas());
+        let mut fields = (0..=PARTS).map(|part| {
+            let coefficients = moments.chunks_exact(each / (1 + PARTS)).skip(part).step_by(1 + PARTS);
+            let mut field =
+                DMatrix::from_row_iterator(emitted.nrows(), channels, coefficients.flatten().copied());
+            mass.solve(&mut field, 1.0);
+            field
+        });
+        let mut sources =
+            Self { direct: fields.next(), spread: fields.collect(), carried: None, lamps: None, emitted };
+        if let Some(Measured { light, more }) =
+            CarriedLight::trace(tracer, patches, basis, &look.lights, options)?
+        {
+            sources.direct.iter_mut().for_each(|direct| *direct += &light.irradiance);
+            sources.spread.iter_mut().zip(more).for_each(|(spread, more)| *spread += more);
+            sources.carried = Some(light);
+        }
+        Ok(sources)
+    }
+
+    /// The same light without what surfaces emit: of lights without area and the sky alone.
+    pub fn without_emission(&self) -> Self {
+        Self { emitted: 0.0 * &self.emitted, ..self.clone() }
+    }
+
+    /// The right-hand side E = Lₑ + ρH₀/π, N × c.
+    ///
+    /// # Panics
+    /// If the operator is not of these coefficients.
+    pub fn right_hand_side(&self, k: &Transport) -> DMatrix<f64> {
+        match &self.direct {
+            Some(direct) => &self.emitted + k.reflect(direct),
+            None => self.emitted.clone(),
+        }
+    }
+
+    /// The flux that starts, per channel, W: π Σ A Lₑ, Σ A H₀ by lights without area, and what carriers kept
+    /// of the latter on its way.
+    pub fn flux(&self, mass: &Mass) -> Vec<f64> {
+        let kept =
+            |c: usize| self.carried.as_ref().map_or(0.0, |carried| carried.absorbed[c] + carried.lost[c]);
+        let by_lamps = |c: usize| self.lamps.as_ref().map_or(0.0, |lamps| lamps.arrived[c]);
+        let arrived = |c: usize| self.direct.as_ref().map_or(0.0, |h| mass.sums().dot(&h.column(c)));
+        let direct = |c: usize| arrived(c) - by_lamps(c) + kept(c);
+        let of = |c: usize| mass.unit() * (PI * mass.sums().dot(&self.emitted.column(c)) + direct(c));
+        (0..self.emitted.ncols()).map(of).collect()
+    }
+}
+
+impl From<DMatrix<f64>> for Sources {
+    /// Emitted radiance (N × c) alone.
+    fn from(emitted: DMatrix<f64>) -> Self {
+        Self { emitted, direct: None, spread: Vec::new(), carried: None, lamps: None }
+    }
+}
+
+/// Parts of the rays by which their noise is told.
+pub(super) const PARTS: usize = 8;
+
+/// What rays towards one light find in one channel, part by part.
+#[derive(Clone)]
+struct Parts<const N: usize> {
+    /// What they would bring if nothing stood in their way.
+    whole: [f64; PARTS],
+    /// What they do bring, by basis function.
+    seen: [[f64; N]; PARTS],
+}
+
+impl<const N: usize> Default for Parts<N> {
+    fn default() -> Self {
+        Self { whole: [0.0; PARTS], seen: [[0.0; N]; PARTS] }
+    }
+}
+
+impl<const N: usize> Parts<N> {
+    #[inline]
+    fn add(&mut self, part: usize, weight: f64, phi: [f64; N]) {
+        self.seen[part].iter_mut().zip(phi).for_each(|(sum, phi)| *sum += weight * phi);
+    }
+
+    /// What all bring; then by how much more each part would bring in the place of all, where a part of more
+    /// weight is not taken for one that sees more.
+    fn sums(&self) -> [[f64; N]; 1 + PARTS] {
+        let all: [f64; N] = std::array::from_fn(|a| self.seen.iter().map(|seen| seen[a]).sum());
+        let whole: f64 = self.whole.iter().sum();
+        let parts = PARTS as f64;
+        let more = |part: usize, a: usize| {
+            let share = if whole > 0.0 { self.whole[part] / whole } else { 0.0 };
+            parts * (self.seen[part][a] - share * all[a])
+        };
+        std::array::from_fn(|k| if k == 0 { all } else { std::array::from_fn(|a| more(k - 1, a)) })
+    }
+}
+
+/// All it takes to look for light from a patch.
+struct Look<'a> {
+    tracer: &'a Tracer<'a>,
+    patches: &'a Patches<'a>,
+    lights: Lights,
+    rays: u32,
+    seed: u64,
+    channels: usize,
+}
+
+impl Look<'_> {
+    /// Adds ∫ φ_a H₀ dA over a patch to `moments`, a row of channels for each of the basis functions `phi`;
+    /// and after that, for each part of the rays, by how much more it finds.
+    fn add_moments<const N: usize>(
+        &self,
+        patch: usize,
+        phi: impl Fn([f64; 2]) -> [f64; N],
+        moments: &mut [f64],
+    ) {
+        let slot = self.patches.slot_of_patch(patch);
+        let facet = self.patches.facet(self.tracer, slot);
+        let [a, b, c] = facet.corners;
+        let area = self.patches.normalised_areas()[patch];
+        // What thin glass leaves of a ray, per channel.
+        let mut left = vec![1.0; self.channels];
+        let mut add = |seen: &[Parts<N>], scale: f64, power: &[f64]| {
+            for (c, seen) in seen.iter().enumerate() {
+                for (row, sum) in moments.chunks_exact_mut(self.channels).zip(seen.sums().as_flattened()) {
+                    row[c] += area * scale * sum * power[c];
+                }
+            }
+        };
+        for light in 0..self.lights.len() {
+            let mean = self.lights.mean_density(light, &facet.corners, facet.normal);
+            if mean == Some(0.0) {
+                continue;
+            }
+            let mut seen = self.seen_of(light, (slot, &facet), mean, &phi);
+            let whole: f64 = seen[0].whole.iter().sum();
+            // Scale to what is known of all rays together.
+            let scale = match mean {
+                Some(mean) if whole > 0.0 => mean / whole,
+                Some(_) => 0.0,
+                None => {
+                    seen.iter_mut().for_each(|seen| seen.whole = [1.0; PARTS]);
+                    1.0 / f64::from(self.rays_to_light())
+                }
+            };
+            add(&seen, scale, self.lights.power(light));
+        }
+        if let Some(sky) = self.lights.sky() {
+            let (sequence, points) = Stream::Sky.stretch(self.seed, slot, 0, self.rays);
+            let even = Parts::<N> { whole: [1.0; PARTS], ..Default::default() };
+            let mut seen = vec![even; self.channels];
+            let first = points.start;
+            for k in points {
+                let [s, t, u, v] = sequence.point(k);
+                let [s, t] = sampling::uniform_triangle([s, t]);
+                let SkyBeam { direction, weight, tint } = sky.sample(facet.normal, [u, v]);
+                let ray = Ray { origin: a + (b - a) * s + (c - a) * t, direction, from: facet.face };
+                left.fill(1.0);
+                if weight > 0.0 && self.tracer.passes(&ray, f64::INFINITY, &mut left) {
+                    let part = ((k - first) as usize * PARTS) / self.rays as usize;
+                    let weight = weight * facet.weight(direction);
+                    for (c, (seen, left)) in seen.iter_mut().zip(&left).enumerate() {
+                        let tint = tint.map_or(1.0, |tint| tint[c]);
+                        seen.add(part, weight * tint * left, phi([s, t]));
+                    }
+                }
+            }
+            add(&seen, 1.0 / f64::from(self.rays), sky.zenith());
+        }
+    }
+
+    /// Rays of a patch to each light.
+    fn rays_to_light(&self) -> u32 {
+        self.rays.div_ceil(4)
+    }
+
+    /// What rays from a patch to a light find, each weighted by what it would bring if nothing stood in its
+    /// way; `mean` is the light's mean density there, if known.
+    fn seen_of<const N: usize>(
+        &self,
+        light: usize,
+        (slot, facet): (u32, &Facet),
+        mean: Option<f64>,
+        phi: impl Fn([f64; 2]) -> [f64; N],
+    ) -> Vec<Parts<N>> {
+        let [a, b, c] = facet.corners;
+        let rays = self.rays_to_light();
+        let (sequence, points) = Stream::Lights.stretch(self.seed, slot, light as u64, rays);
+        let mut seen = vec![Parts::<N>::default(); self.channels];
+        // What thin glass leaves of a ray, per channel.
+        let mut left = vec![1.0; self.channels];
+        let is_near = mean.is_some_and(|mean| self.lights.is_near(light, &facet.corners, facet.normal, mean));
+        let first = points.start;
+        for k in points {
+            let [s, t, u, v] = sequence.point(k);
+            // Draw a point by solid angle or by area.
+            let at = match is_near {
+                true => self.lights.point_near(light, &facet.corners, facet.normal, [s, t]),
+                false => sampling::uniform_triangle([s, t]),
+            };
+            let point = a + (b - a) * at[0] + (c - a) * at[1];
+            let beam = self.lights.beam(light, point, [u, v]);
+            let weight = if is_near { 1.0 } else { beam.density * facet.normal.dot(beam.direction) };
+            if !(weight > 0.0 && weight.is_finite()) {
+                continue;
+            }
+            let part = ((k - first) as usize * PARTS) / rays as usize;
+            seen.iter_mut().for_each(|seen| seen.whole[part] += weight);
+            left.fill(1.0);
+            let coated = facet.weight(beam.direction);
+            let place = (point, facet.face);
+            if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, place, &mut left) {
+                for (seen, left) in seen.iter_mut().zip(&left) {
+                    seen.add(part, weight * coated * beam.share * left, phi(at));
+                }
+            }
+        }
+        seen
+    }
+}
