@@ -8,9 +8,10 @@
 
 use std::time::Instant;
 
-use radiosity::measure::{self, ErrorBars, Goal, ReferenceRow, RelativeRms, Tolerated};
+use radiosity::measure::{self, ErrorBars, Goal, RelativeRms, Tolerated};
 use radiosity::patches::{Basis, FaceRow, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
+use radiosity::reference::ReferenceRow;
 use radiosity::scene::Scene;
 use radiosity::solve::{CgOptions, Problem, Solution};
 use radiosity::trace::Tracer;

@@ -5,8 +5,9 @@
 
 use std::time::Instant;
 
-use radiosity::measure::{ReferenceRow, RelativeRms};
+use radiosity::measure::RelativeRms;
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::reference::ReferenceRow;
 use radiosity::scene::Scene;
 use radiosity::solve::{CgOptions, Problem};
 use radiosity::trace::Tracer;

@@ -2,12 +2,13 @@
 //!
 //! `cargo run --release --example quickstart [SCENE.obj [PICTURE.png]]`
 
+use radiosity::measure::Energy;
 use radiosity::patches::{Patches, Tessellation};
+use radiosity::render::{self, RenderOptions};
 use radiosity::scene::Scene;
 use radiosity::solve::{NeumannOptions, Problem};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, TraceOptions};
-use radiosity::{measure::Energy, output, output::RenderOptions};
 
 fn main() -> Result<(), radiosity::Error> {
     let mut arguments = std::env::args().skip(1);
@@ -30,9 +31,9 @@ fn main() -> Result<(), radiosity::Error> {
     println!("emitted {:.3?} W, energy imbalance {:.0e}", energy.emitted, energy.imbalance);
 
     if let Some(path) = arguments.next() {
-        let camera = scene.camera().copied().unwrap_or_else(|| output::default_camera(&tracer, &patches));
+        let camera = scene.camera().copied().unwrap_or_else(|| render::default_camera(&tracer, &patches));
         let look = RenderOptions { carried: problem.carried(), ..Default::default() };
-        let picture = output::render(&tracer, &patches, &exact.radiance, &camera, &look)?;
+        let picture = render::picture(&tracer, &patches, &exact.radiance, &camera, &look)?;
         picture.save_png(path, picture.exposure())?;
     }
     Ok(())

@@ -8,7 +8,8 @@
 //! directly, or as the Neumann series, one bounce of light after another.
 //!
 //! ```
-//! use radiosity::{measure::*, output, patches::*, scene::Scene, solve::*, trace::Tracer, transport::*};
+//! use radiosity::{measure::*, patches::*, reference::*, render, scene::Scene};
+//! use radiosity::{solve::*, trace::Tracer, transport::*};
 //!
 //! # fn main() -> Result<(), radiosity::Error> {
 //! let scene = Scene::cornell_box(); // or Scene::load("room.obj")?
@@ -36,10 +37,10 @@
 //! let difference = Difference::new(&exact.means().irradiance, &truth);
 //! assert!(difference.rms < 0.1 && difference.bias.abs() < 0.02 + 3.0 * difference.bias_error);
 //!
-//! let camera = output::default_camera(&tracer, &patches);
+//! let camera = render::default_camera(&tracer, &patches);
 //! let carried = problem.carried();
-//! let options = output::RenderOptions { width: 80, height: 60, carried, ..Default::default() };
-//! let picture = output::render(&tracer, &patches, &exact.radiance, &camera, &options)?;
+//! let options = render::RenderOptions { width: 80, height: 60, carried, ..Default::default() };
+//! let picture = render::picture(&tracer, &patches, &exact.radiance, &camera, &options)?;
 //! # let folder = tempfile::tempdir().expect("a temporary folder");
 //! # let path = folder.path().join("cornell.png");
 //! picture.save_png(path, picture.exposure())?;
@@ -101,12 +102,15 @@
 //! # The way through the house
 //!
 //! Data flows one way, and a module imports only from those to its left:
-//! [`progress`] → [`scene`] → [`trace`] → [`patches`] → [`transport`] → [`solve`] → [`measure`] → [`output`].
+//! [`progress`] → [`scene`] → [`trace`] → [`patches`] → [`transport`] → [`solve`] → [`reference`] → [`measure`] →
+//! [`render`] → [`output`].
 
 pub mod measure;
 pub mod output;
 pub mod patches;
 pub mod progress;
+pub mod reference;
+pub mod render;
 pub mod scene;
 pub mod solve;
 pub mod trace;
@@ -128,10 +132,16 @@ pub enum Error {
     /// From solving.
     #[error(transparent)]
     Solve(#[from] solve::SolveError),
+    /// From tracing light paths.
+    #[error(transparent)]
+    Paths(#[from] reference::PathError),
     /// From measuring.
     #[error(transparent)]
     Measure(#[from] measure::MeasureError),
-    /// From making or writing results.
+    /// From making a picture.
+    #[error(transparent)]
+    Render(#[from] render::RenderError),
+    /// From writing results.
     #[error(transparent)]
     Output(#[from] output::OutputError),
 }

@@ -6,9 +6,11 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::table::digits;
-use super::{Stage, table, to_rgb};
-use crate::measure::{AgreementTest, Comparison, MeshError, OrderRow, PathTraced, Verdict};
+use super::{Stage, table};
+use crate::measure::{AgreementTest, Comparison, MeshError, OrderRow, Verdict};
 use crate::patches::Patches;
+use crate::reference::PathTraced;
+use crate::render::to_rgb;
 
 /// The content of `comparison.json`. All errors are of irradiance per patch: area-weighted relative root mean
 /// squares, the reference's noise taken off.

@@ -9,10 +9,8 @@ use std::io::{self, Write};
 use glam::DVec3;
 use nalgebra::DMatrix;
 
-use super::limiter::limited;
-use super::tone::to_rgb;
-use super::{Exposure, SmoothField};
 use crate::patches::{Basis, Patches};
+use crate::render::{Exposure, SmoothField, limited, to_rgb};
 use crate::scene::Side;
 use crate::trace::Tracer;
 
@@ -107,9 +105,9 @@ impl Number {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{by_corners, cut, quad, room, triangles};
     use super::*;
     use crate::patches::Reach;
+    use crate::render::test_scenes::{by_corners, cut, quad, room, triangles};
     use crate::scene::Material;
 
     /// Header and body of the mesh of a scene.

@@ -7,8 +7,8 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::table::{digits, write_columns};
-use super::to_rgb;
 use crate::patches::Patches;
+use crate::render::to_rgb;
 use crate::scene::{Light, Receiver, Scene, luminance};
 
 /// How a quantity is spread over some area or over some points.

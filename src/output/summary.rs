@@ -4,8 +4,9 @@ use std::io::{self, Write};
 
 use serde::Serialize;
 
-use super::{Photometry, to_rgb};
+use super::Photometry;
 use crate::measure::{AccuracyStep, Energy, ErrorBudget, Undershoot, Verdict};
+use crate::render::to_rgb;
 use crate::solve::{Report, Series, Solution};
 use crate::transport::{Closure, Plan};
 

@@ -4,9 +4,9 @@ use std::io::{self, Write};
 
 use nalgebra::DMatrix;
 
-use super::to_rgb;
 use crate::measure::ErrorBars;
 use crate::patches::{FaceRow, Patches};
+use crate::render::to_rgb;
 use crate::solve::Solution;
 
 /// Columns of radiometric tables after their keys; the last three, one standard error of irradiance, where

@@ -6,12 +6,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Barycentrics, Patches, Slot};
-use crate::trace::{Coat, Ray, Tracer, sampling, solid_angle};
+use crate::scene::Side;
+use crate::trace::{Coat, Interaction, Ray, Tracer, sampling, solid_angle};
 
 /// One side of a cell: a triangle that sees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Facet<'t> {
     pub face: u32,
+    pub side: Side,
     pub corners: [DVec3; 3],
     pub normal: DVec3,
     pub coat: Option<&'t Coat>,
@@ -73,6 +75,13 @@ impl<'t> Facet<'t> {
         Target { point: a + (b - a) * u + (c - a) * v, barycentrics: [u, v], density }
     }
 
+    /// Where light arrives at the point that lies where [u, v] in the unit square does.
+    #[inline]
+    pub fn interaction(&self, square: [f64; 2]) -> Interaction<'t> {
+        let &Self { face, side, normal, coat, .. } = self;
+        Interaction { face, side, point: self.point(square), normal, coat }
+    }
+
     pub fn centre(&self) -> DVec3 {
         let [a, b, c] = self.corners;
         (a + b + c) / 3.0
@@ -109,6 +118,7 @@ impl Patches<'_> {
         let face_number = face as u32;
         Facet {
             face: face_number,
+            side,
             corners,
             normal: tracer.normal(face, side),
             coat: tracer.coat_of(face_number),

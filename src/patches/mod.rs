@@ -17,6 +17,7 @@ mod contacts;
 mod cutter;
 mod facet;
 mod facing;
+mod grid;
 mod groups;
 mod locator;
 mod outlook;

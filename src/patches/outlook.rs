@@ -8,9 +8,9 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use super::grid::cells_for;
 use super::parts::{Part, Parting};
 use super::size::edge_for;
-use super::subdivide::cells_for;
 use super::{PatchError, PatchSize};
 use crate::scene::{Feature, Side};
 use crate::trace::Tracer;

@@ -19,7 +19,7 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use super::PatchError;
 use super::contacts::{Contacts, Flat, Line};
-use super::subdivide::cells_for;
+use super::grid::cells_for;
 use crate::scene::Side;
 use crate::trace::Tracer;
 

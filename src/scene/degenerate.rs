@@ -5,6 +5,7 @@ use std::collections::hash_map::Entry;
 
 use glam::DVec3;
 
+use super::grouped::count;
 use super::{Face, FaceState, Material};
 
 /// Marks zero-area faces and exact duplicates, and says how many there were.
@@ -56,9 +57,4 @@ pub(super) fn oriented(corners: [DVec3; 3]) -> [[u64; 3]; 3] {
     let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
     corners.rotate_left(first);
     corners
-}
-
-/// `1 face`, `2 faces`.
-pub(super) fn count(n: usize, noun: &str) -> String {
-    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }

@@ -6,6 +6,11 @@ use std::collections::hash_map::Entry;
 /// So many names are written out.
 const NAMED: usize = 4;
 
+/// `1 face`, `2 faces`.
+pub(super) fn count(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}
+
 /// What is said, each with the names of those of whom it is said.
 #[derive(Debug, Default)]
 pub(super) struct Grouped {

@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::degenerate::count;
+use super::grouped::count;
 use super::{Face, FaceState, Light};
 
 /// What is as near as this to a face lies on it, and so far in front of it a light is moved at least, as a

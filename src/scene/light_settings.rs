@@ -13,9 +13,9 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use super::beside::Beside;
+use super::colour::Colour;
 use super::light::{SPHERE, check_power, spot_solid_angle};
 use super::photometry::luminance;
-use super::settings::Colour;
 use super::text::decode;
 use super::{Environment, IntensityTable, Light, Sky, SkyKind, picture_file};
 

@@ -254,7 +254,9 @@ impl Material {
                         .into(),
                 );
             }
-            sheet.check(&self.reflectance, self.textures.reflectance.as_ref())?;
+            let picture = self.textures.reflectance.as_ref();
+            let highest = picture.map_or([1.0; 3], |texture| texture.pixels.highest());
+            sheet.check(&self.reflectance, highest)?;
         }
         if matches!(self.surface, Surface::Plastic { .. }) && self.emits() {
             return Err("plastic emits nothing; give the light to a material of its own".into());
@@ -288,6 +290,39 @@ impl Material {
             && flat(&self.reflectance)
             && flat(&self.emission)
             && self.surface.colour().is_none_or(flat)
+    }
+
+    /// Makes a diffuse surface a sheet that lets this part of the light through, and whose back reflects this
+    /// part, per channel.
+    #[must_use]
+    pub fn with_sheet(self, reflectance_back: &[f64], transmittance: &[f64]) -> Self {
+        let sheet =
+            Sheet { reflectance_back: reflectance_back.to_vec(), transmittance: transmittance.to_vec() };
+        Self { sheet: Some(sheet), ..self }
+    }
+
+    /// Diffuse reflectance of a side, per channel; what a texture says multiplies it on both.
+    #[inline]
+    pub fn reflectance_of(&self, side: Side) -> &[f64] {
+        match (&self.sheet, side) {
+            (Some(sheet), Side::Back) => &sheet.reflectance_back,
+            _ => &self.reflectance,
+        }
+    }
+
+    /// Diffuse transmittance τ per channel; none where no light comes through.
+    #[inline]
+    pub fn transmittance(&self) -> Option<&[f64]> {
+        let tau = self.sheet.as_ref().map(|sheet| sheet.transmittance.as_slice());
+        tau.filter(|tau| tau.iter().any(|&t| t > 0.0))
+    }
+
+    /// The most of what arrives on a side that goes on from there, over all channels: what is reflected and
+    /// what comes through.
+    pub fn highest_albedo(&self, side: Side) -> f64 {
+        let through = |c: usize| self.transmittance().map_or(0.0, |tau| tau[c]);
+        let of = |(c, rho): (usize, &f64)| rho + through(c);
+        self.reflectance_of(side).iter().enumerate().map(of).fold(0.0, f64::max)
     }
 }
 

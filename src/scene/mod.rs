@@ -7,6 +7,7 @@
 mod beside;
 mod builtin;
 mod camera;
+mod colour;
 mod degenerate;
 mod environment;
 mod feature;
@@ -29,6 +30,7 @@ mod sheet;
 mod sky;
 mod text;
 mod texture;
+mod textured;
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -349,7 +351,7 @@ impl Scene {
         lift_lights(&mut lights, (&faces, &vertices), &objects, &mut warnings);
         if materials.iter().any(Material::is_textured) {
             texture_coordinates.resize(faces.len(), None);
-            texture::warn_of_missing_coordinates(&faces, &texture_coordinates, &materials, &mut warnings);
+            textured::warn_of_missing_coordinates(&faces, &texture_coordinates, &materials, &mut warnings);
         } else {
             texture_coordinates = Vec::new();
         }

@@ -8,6 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::beside::Beside;
+use super::colour::Colour;
 use super::light_settings::{LightSettings, SkySettings};
 use super::photometry::EFFICACY;
 use super::settings_line::line_of;
@@ -105,23 +106,6 @@ impl Unit {
             Self::Named(Length::Km) => 1000.0,
             Self::Named(Length::Inch) => 0.0254,
             Self::Named(Length::Ft) => 0.3048,
-        }
-    }
-}
-
-/// One number for every channel, or one each.
-#[derive(Debug, Deserialize)]
-#[serde(untagged, expecting = "a colour is one number, or three in brackets")]
-pub(super) enum Colour {
-    Grey(f64),
-    Rgb([f64; 3]),
-}
-
-impl Colour {
-    pub fn channels(&self) -> Vec<f64> {
-        match self {
-            Colour::Grey(value) => vec![*value; 3],
-            Colour::Rgb(values) => values.to_vec(),
         }
     }
 }

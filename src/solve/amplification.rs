@@ -11,9 +11,9 @@
 
 use nalgebra::DMatrix;
 
-use super::conjugate_gradient::roughly;
+use super::krylov::roughly;
 use super::symmetric::Root;
-use super::{CgOptions, SolveError, relative};
+use super::{SolveError, relative};
 use crate::patches::Basis;
 use crate::progress::Progress;
 use crate::transport::{Transport, ends_of_spectrum, uneven};
@@ -42,21 +42,21 @@ impl Amplification {
     ///
     /// # Errors
     /// `Cancelled`.
-    pub fn new(k: &Transport, options: &CgOptions) -> Result<Self, SolveError> {
+    pub fn new(k: &Transport, progress: Progress) -> Result<Self, SolveError> {
         if k.basis() == Basis::Linear {
-            return Self::estimate(k, options.progress);
+            return Self::estimate(k, progress);
         }
         let ones = DMatrix::repeat(k.len(), k.channels(), 1.0);
-        Ok(Self::from_rough(k, roughly(k, &ones, 0.05, options.progress)?))
+        Ok(Self::from_rough(k, roughly(k, &ones, 0.05, progress)?))
     }
 
     /// What is known already, or a new bound.
     pub(super) fn known_or_new(
         known: Option<&Self>,
         k: &Transport,
-        options: &CgOptions,
+        progress: Progress,
     ) -> Result<Self, SolveError> {
-        known.map_or_else(|| Self::new(k, options), |known| Ok(known.clone()))
+        known.map_or_else(|| Self::new(k, progress), |known| Ok(known.clone()))
     }
 
     /// The estimate for linear elements.

@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use super::stopping::{Answer, Goals, Rule};
+use super::stopping::{Answer, Rule};
 use super::symmetric::Root;
-use super::{Amplification, Solution, SolveError, check_finite, symmetric};
+use super::{Amplification, Solution, SolveError, check_finite, krylov};
 use crate::progress::Progress;
 use crate::transport::Transport;
 
@@ -37,7 +37,7 @@ pub struct CgOptions<'a> {
 impl Default for CgOptions<'_> {
     /// A tolerance of 10⁻⁶ within 5000 passes.
     fn default() -> Self {
-        Self { tolerance: 1e-6, iterations: 5000, amplification: None, progress: Progress::default() }
+        Self { tolerance: 1e-6, iterations: krylov::MOST, amplification: None, progress: Progress::default() }
     }
 }
 
@@ -59,7 +59,7 @@ pub fn conjugate_gradients(
     assert_eq!(e.shape(), (k.len(), k.channels()), "the right-hand side is N × c");
     check_finite(k, e)?;
     let &CgOptions { tolerance, iterations, progress, .. } = options;
-    let amplification = Amplification::known_or_new(options.amplification, k, options)?;
+    let amplification = Amplification::known_or_new(options.amplification, k, progress)?;
     let rule = Rule::new(k, e, &amplification, tolerance);
     let root = Root::new(k);
     let mut through = DMatrix::zeros(k.len(), k.channels());
@@ -67,13 +67,13 @@ pub fn conjugate_gradients(
     let mut direct = through.clone();
     k.mass().solve(&mut direct, PI);
     let (reflected, mut passes) =
-        symmetric::iterate(&root, &through, rule.goals(&direct), (iterations, progress))?;
+        krylov::iterate(&root, &through, rule.goals(&direct), (iterations, progress))?;
     let mut answer = Answer::after(k, e, &reflected);
     let mut excess = rule.excess(&answer);
     while excess > 1.0 && passes + JUDGED < iterations {
         k.through(&answer.residual, &mut through);
         let left = (iterations - passes - JUDGED, progress);
-        let (more, taken) = symmetric::iterate(&root, &through, rule.goals(&answer.irradiance), left)?;
+        let (more, taken) = krylov::iterate(&root, &through, rule.goals(&answer.irradiance), left)?;
         let reflected = &answer.reflected + &answer.residual + more;
         passes += taken + JUDGED;
         let refined = Answer::after(k, e, &reflected);
@@ -95,71 +95,4 @@ pub fn conjugate_gradients(
         return Err(SolveError::NotConverged { best: Box::new(solution), tolerance });
     }
     Ok(solution)
-}
-
-/// The radiance L = E + K L up to a residual that is this part of E in flux and in ‖·‖∞, without judging it.
-///
-/// # Errors
-/// `Cancelled`.
-pub(crate) fn roughly(
-    k: &Transport,
-    e: &DMatrix<f64>,
-    tolerance: f64,
-    progress: Progress,
-) -> Result<DMatrix<f64>, SolveError> {
-    let iterations = CgOptions::default().iterations;
-    let mut through = DMatrix::zeros(k.len(), k.channels());
-    k.through(e, &mut through);
-    let goals = Goals::relative(k, e, tolerance);
-    let (reflected, _) = symmetric::iterate(&Root::new(k), &through, goals, (iterations, progress))?;
-    Ok(e + reflected)
-}
-
-/// Iterates until the residual of L = E + R y meets the goals; answers R y and the number of passes, that for
-/// `through` = S E among them.
-pub(super) fn iterate(
-    root: &Root,
-    through: &DMatrix<f64>,
-    goals: Goals,
-    (iterations, progress): (usize, Progress),
-) -> Result<(DMatrix<f64>, usize), SolveError> {
-    let (n, channels) = through.shape();
-    let mut r = root.transposed_times(through);
-    // The residual of L is R r, for J = I.
-    let mut goals = goals.starting_from(&root.times(&r));
-    let mut through = DMatrix::zeros(n, channels);
-    let mut passes = 1;
-    let mut y = DMatrix::zeros(n, channels);
-    let mut p = r.clone();
-    let mut rr: Vec<f64> = r.column_iter().map(|column| column.norm_squared()).collect();
-    while passes < iterations {
-        let excesses = goals.excesses(&root.times(&r));
-        if excesses.iter().all(|&excess| excess <= 1.0) {
-            break;
-        }
-        goals.report(&excesses, progress)?;
-        // q = (I − RᵀSR) p
-        root.operator().through(&root.times(&p), &mut through);
-        passes += 1;
-        let q = &p - root.transposed_times(&through);
-        let mut moved = false;
-        for c in 0..channels {
-            let curvature = p.column(c).dot(&q.column(c));
-            if excesses[c] <= 1.0 || curvature <= 0.0 {
-                continue;
-            }
-            moved = true;
-            let alpha = rr[c] / curvature;
-            y.column_mut(c).axpy(alpha, &p.column(c), 1.0);
-            r.column_mut(c).axpy(-alpha, &q.column(c), 1.0);
-            let next = r.column(c).norm_squared();
-            let beta = next / rr[c];
-            rr[c] = next;
-            p.column_mut(c).axpy(1.0, &r.column(c), beta);
-        }
-        if !moved {
-            break;
-        }
-    }
-    Ok((root.times(&y), passes))
 }

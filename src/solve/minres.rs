@@ -9,7 +9,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::SolveError;
-use super::stopping::Goals;
+use super::goals::Goals;
 use super::symmetric::Root;
 use crate::progress::Progress;
 

@@ -27,6 +27,8 @@
 mod amplification;
 mod conjugate_gradient;
 mod direct;
+mod goals;
+mod krylov;
 mod minres;
 mod neumann;
 mod problem;
@@ -37,10 +39,10 @@ mod turns;
 use nalgebra::DMatrix;
 
 pub use amplification::{Amplification, Certainty};
-pub(crate) use conjugate_gradient::roughly;
 pub use conjugate_gradient::{CgOptions, conjugate_gradients};
 pub use direct::{Direct, DirectOptions, direct};
 pub(crate) use direct::{factor_bytes, is_quick};
+pub(crate) use krylov::roughly;
 pub use neumann::{Bounce, NeumannOptions, Series, bounces, neumann};
 pub use problem::Problem;
 

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 
 use super::stopping::{Answer, Rule};
-use super::{Amplification, CgOptions, Report, Solution, SolveError, check_finite};
+use super::{Amplification, Report, Solution, SolveError, check_finite};
 use crate::patches::Basis;
 use crate::progress::Progress;
 use crate::transport::Transport;
@@ -77,7 +77,7 @@ impl Series {
 pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Result<Series, SolveError> {
     assert_eq!(e.shape(), (k.len(), k.channels()), "the right-hand side is N × c");
     check_finite(k, e)?;
-    let amplification = Amplification::known_or_new(options.amplification, k, &CgOptions::default())?;
+    let amplification = Amplification::known_or_new(options.amplification, k, Progress::default())?;
     let rule = Rule::new(k, e, &amplification, options.tolerance);
     let norm = match k.basis() {
         Basis::Constant => k.norm(),

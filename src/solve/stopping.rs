@@ -17,9 +17,9 @@ use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVectorView};
 
+use super::goals::{Goal, Goals, flux};
 use super::{Amplification, Certainty, Report, relative};
 use crate::patches::Basis;
-use crate::progress::{Cancelled, Progress};
 use crate::transport::Transport;
 
 /// What rounding leaves of a step, as a part of ‖H‖∞, or of a residual, as a part of ‖R H/π‖∞.
@@ -34,10 +34,6 @@ const DARK: f64 = 1e-3;
 
 /// The relative error of a patch's own irradiance that is allowed, in units of the tolerance.
 const BY_PATCH: f64 = 10.0;
-
-/// Conjugate gradients and their like reduce a residual by so much at a time: what they say of their own
-/// residual holds no longer.
-const AT_A_TIME: f64 = 1e-10;
 
 /// A radiance L = E + R H/π with the irradiance H, and what one more pass makes of them; all N × c.
 pub(super) struct Answer {
@@ -116,11 +112,6 @@ fn missing(
             on_average.min(step.amax() + PI * w * residual.amax())
         }
     }
-}
-
-/// π Σ A |x|.
-fn flux(k: &Transport, x: DVectorView<f64>) -> f64 {
-    PI * x.iter().zip(k.mass().sums()).map(|(x, area)| area * x.abs()).sum::<f64>()
 }
 
 /// a · b, where nothing stays nothing however it is amplified.
@@ -215,63 +206,12 @@ impl<'a> Rule<'a> {
                 size: size.max(ROUNDING * reflected.column(c).amax()),
             }
         };
-        Goals { k: self.k, of: (0..self.flux.len()).map(goal).collect(), at_start: None }
+        Goals::new(self.k, (0..self.flux.len()).map(goal).collect())
     }
 
     /// The irradiance that the tolerance is a part of.
     fn yardstick(&self, irradiance: DVectorView<f64>) -> f64 {
         let typical = self.k.mass().root_mean_square(irradiance);
         typical.min(BY_PATCH * irradiance.min().max(DARK * typical))
-    }
-}
-
-/// What the residual of one channel has to fall below.
-struct Goal {
-    /// π Σ A |r|.
-    flux: f64,
-    /// ‖r‖∞.
-    size: f64,
-}
-
-/// What the residual of L has to fall below in every channel.
-pub(super) struct Goals<'a> {
-    k: &'a Transport,
-    of: Vec<Goal>,
-    /// How many times too large the worst was at first.
-    at_start: Option<f64>,
-}
-
-impl<'a> Goals<'a> {
-    /// This part of what E is, both in flux and in ‖·‖∞.
-    pub fn relative(k: &'a Transport, e: &DMatrix<f64>, tolerance: f64) -> Self {
-        let goal = |column: DVectorView<f64>| Goal {
-            flux: tolerance * flux(k, column),
-            size: tolerance * column.amax(),
-        };
-        Self { k, of: e.column_iter().map(|column| goal(column.as_view())).collect(), at_start: None }
-    }
-
-    /// How many times too large a residual is, per channel; up to 1 it is small enough.
-    pub fn excesses(&self, residual: &DMatrix<f64>) -> Vec<f64> {
-        let of = |(goal, r): (&Goal, DVectorView<f64>)| {
-            relative(flux(self.k, r), goal.flux).max(relative(r.amax(), goal.size))
-        };
-        self.of.iter().zip(residual.column_iter()).map(|(goal, r)| of((goal, r.as_view()))).collect()
-    }
-
-    /// Lets iterations that start from this residual reduce it no further than they can tell.
-    pub fn starting_from(mut self, residual: &DMatrix<f64>) -> Self {
-        for (goal, r) in self.of.iter_mut().zip(residual.column_iter()) {
-            goal.flux = goal.flux.max(AT_A_TIME * flux(self.k, r));
-            goal.size = goal.size.max(AT_A_TIME * r.amax());
-        }
-        self
-    }
-
-    /// Tells how much of the way is gone, on a logarithmic scale.
-    pub fn report(&mut self, excesses: &[f64], progress: Progress) -> Result<(), Cancelled> {
-        let worst = excesses.iter().copied().fold(1.0, f64::max);
-        let at_start = *self.at_start.get_or_insert(worst);
-        progress.at("solve", (1.0 - worst.ln() / at_start.ln().max(f64::MIN_POSITIVE)).clamp(0.0, 0.99))
     }
 }

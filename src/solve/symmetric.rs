@@ -18,11 +18,8 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::stopping::Goals;
 use super::turns::Turns;
-use super::{SolveError, conjugate_gradient, minres};
 use crate::patches::Basis;
-use crate::progress::Progress;
 use crate::transport::Transport;
 
 /// R = √ρ M^(−½), or V |Λ|^½ M^(−½) on sheets.
@@ -90,7 +87,7 @@ impl Root {
         self.turns.as_ref().is_none_or(Turns::are_definite)
     }
 
-    /// What [`iterate`] is called.
+    /// What iterations on this form are called.
     pub fn method(&self) -> &'static str {
         if self.is_definite() { "cg" } else { "minres" }
     }
@@ -138,21 +135,5 @@ impl Root {
             matrix[(i, i)] += signs.as_ref().map_or(1.0, |signs| f64::from(signs[i]));
         }
         matrix
-    }
-}
-
-/// Iterates on y until the residual of L = E + R y meets the goals, by conjugate gradients where the
-/// symmetric form is positive definite and else by MINRES; answers R y, and the number of passes with that
-/// for `through` = S E. They end, too, after so many passes.
-pub(super) fn iterate(
-    root: &Root,
-    through: &DMatrix<f64>,
-    goals: Goals,
-    limits: (usize, Progress),
-) -> Result<(DMatrix<f64>, usize), SolveError> {
-    if root.is_definite() {
-        conjugate_gradient::iterate(root, through, goals, limits)
-    } else {
-        minres::iterate(root, through, goals, limits)
     }
 }

@@ -23,8 +23,8 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 
 use glam::DVec3;
 
+use super::fresnel::fresnel;
 use super::gloss::{Albedo, EVENEST, escape, facets, hiding, visible_facet};
-use super::scatter::fresnel;
 
 /// Steps of either random number over which E is integrated.
 const STEPS: usize = 48;

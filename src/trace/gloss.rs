@@ -23,7 +23,7 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::DVec3;
 
-use super::scatter::Tint;
+use super::tint::Tint;
 
 /// Facets as even as this, in terms of α, are a mirror to the eye; evener ones are taken as this.
 pub(super) const EVENEST: f64 = 1e-4;

@@ -12,7 +12,9 @@ mod coat;
 mod convex;
 mod environment;
 mod facing;
+mod fresnel;
 mod gloss;
+mod interaction;
 mod lambert;
 mod lamps;
 mod layers;
@@ -22,6 +24,7 @@ pub mod sampling;
 mod scatter;
 mod shots;
 mod sky;
+mod tint;
 mod triangle;
 
 use std::sync::Arc;
@@ -33,16 +36,19 @@ use bvh::Bvh;
 pub use coat::Coat;
 pub use convex::{Enclosure, NotConvex};
 pub use facing::{IN_PLANE, can_face};
+pub use fresnel::fresnel;
 use gloss::Gloss;
+pub(crate) use interaction::Interaction;
 pub use lambert::{form_factor_between, form_factor_to_triangle, geometry_term};
 pub use lamps::{LampPoint, LampView, Lamps};
 use layers::Layers;
 pub use layers::{Overlap, OverlapKind};
 pub use lights::{Beam, Lights, solid_angle};
 use media::Media;
-pub use scatter::{Destination, Glossy, Scattered, Tint, fresnel};
+pub use scatter::{Destination, Glossy, Scattered};
 pub use shots::{Shot, SkyShot, Targets};
 pub use sky::{SkyBeam, SkySampler};
+pub use tint::Tint;
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.
 ///

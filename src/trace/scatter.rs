@@ -10,58 +10,15 @@
 use glam::DVec3;
 
 use super::coat::Coat;
+use super::fresnel::fresnel;
 use super::gloss::Gloss;
 use super::sampling::frame_around;
+use super::tint::Tint;
 use super::{Finish, Hit, Ray, SKIN, Tracer};
 use crate::scene::{Side, Surface};
 
 /// A ray that has met more carriers than this is given up as lost.
 const LONGEST: u32 = 256;
-
-/// Which part of light a carrier passes on, per channel: c + (1 − c)·w of a colour c, where w leads from c to
-/// white.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tint<'t> {
-    colour: &'t [f64],
-    white: f64,
-}
-
-impl<'t> Tint<'t> {
-    /// The colour itself.
-    pub fn of(colour: &'t [f64]) -> Self {
-        Self { colour, white: 0.0 }
-    }
-
-    /// A colour, the part `white` of the way to white.
-    pub fn towards_white(colour: &'t [f64], white: f64) -> Self {
-        Self { colour, white }
-    }
-
-    /// Number of channels.
-    #[inline]
-    pub fn channels(self) -> usize {
-        self.colour.len()
-    }
-
-    /// The part of one channel, 0 to 1.
-    #[inline]
-    pub fn part(self, channel: usize) -> f64 {
-        let colour = self.colour[channel];
-        colour + (1.0 - colour) * self.white
-    }
-
-    /// The part of every channel.
-    #[inline]
-    pub fn parts(self) -> impl Iterator<Item = f64> + 't {
-        self.colour.iter().map(move |colour| colour + (1.0 - colour) * self.white)
-    }
-
-    /// The mean of all channels.
-    #[inline]
-    pub fn mean(self) -> f64 {
-        self.parts().sum::<f64>() / self.colour.len() as f64
-    }
-}
 
 /// One way on from a carrier.
 #[derive(Clone, Copy, Debug)]
@@ -337,19 +294,6 @@ impl<'s> Tracer<'s> {
         }
         Destination::Lost
     }
-}
-
-/// The part of unpolarised light that a smooth surface reflects, met at an angle of this cosine; `ratio` is
-/// the index of refraction behind the surface by that before it (Fresnel 1823). 1 beyond the critical angle.
-pub fn fresnel(cosine: f64, ratio: f64) -> f64 {
-    let inside = 1.0 - (1.0 - cosine * cosine) / (ratio * ratio);
-    if inside <= 0.0 {
-        return 1.0;
-    }
-    let inner = inside.sqrt();
-    let across = (cosine - ratio * inner) / (cosine + ratio * inner);
-    let along = (ratio * cosine - inner) / (ratio * cosine + inner);
-    0.5 * (across * across + along * along)
 }
 
 #[cfg(test)]

@@ -12,7 +12,6 @@ mod operator;
 mod plan;
 mod reflection;
 mod rows;
-mod solvable;
 mod sources;
 
 pub use exchange::{Blocks, Closure, Exchange, Mass, Storage, StorageKind};

@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use nalgebra::DMatrix;
-use radiosity::measure::{Budget, Energy, PathOptions, PathTracer};
-use radiosity::output::{RenderOptions, Shading, render};
+use radiosity::measure::Energy;
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Environment, Light, Material, Pixels, Receiver, Scene, Side, Sky, SkyKind};
 use radiosity::solve::{DirectOptions, Problem};
 use radiosity::trace::{Tracer, fresnel, solid_angle};
@@ -547,7 +548,7 @@ fn gathered_pictures_show_light_off_mirrors_as_solved_ones_do() {
     let mean = |shading: Shading, carried| {
         let options =
             RenderOptions { width: 60, height: 60, shading, carried, samples: 8, ..Default::default() };
-        let picture = render(&tracer, &patches, &radiance, &camera, &options).unwrap();
+        let picture = render::picture(&tracer, &patches, &radiance, &camera, &options).unwrap();
         picture.pixels.iter().map(|rgb| f64::from(rgb[0])).sum::<f64>()
     };
     let [solved, gathered] = [mean(Shading::Smooth, None), mean(Shading::Gather, carried)];

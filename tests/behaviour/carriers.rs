@@ -5,10 +5,11 @@ use std::f64::consts::PI;
 use std::io::Cursor;
 
 use glam::DVec3;
-use radiosity::measure::{Budget, Energy, PathOptions, PathTracer, ReferenceRow, RelativeRms};
-use radiosity::output::{RenderOptions, Shading, render};
+use radiosity::measure::{Energy, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
+use radiosity::reference::{Budget, PathOptions, PathTracer, ReferenceRow};
+use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Material, Scene};
 use radiosity::solve::{self, DirectOptions, SolveOptions};
 use radiosity::trace::{Destination, Ray, Tracer};
@@ -226,7 +227,8 @@ fn every_shading_shows_the_lamp_behind_the_camera_in_the_mirror_before_it() {
     let camera = Camera { position: DVec3::Z, target: DVec3::new(0.1, 0.0, 2.0), up: DVec3::Y, fov: 10.0 };
     for shading in [Shading::Flat, Shading::Smooth, Shading::Gather, Shading::Path] {
         let options = RenderOptions { width: 8, height: 6, shading, samples: 4, ..Default::default() };
-        let picture = render(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap();
+        let picture =
+            render::picture(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap();
         for pixel in &picture.pixels {
             for (seen, shown) in pixel.iter().zip([1.0f32, 0.6, 0.35]) {
                 assert!((seen - shown).abs() < 1e-5, "{shading:?}: {pixel:?}");

@@ -2,8 +2,9 @@
 //! decided by rounding.
 
 use glam::{DQuat, DVec3};
-use radiosity::measure::{PathOptions, PathTracer, overlaps};
+use radiosity::measure::overlaps;
 use radiosity::patches::{PatchSize, Patches, Tessellation};
+use radiosity::reference::{PathOptions, PathTracer};
 use radiosity::scene::{Face, FaceState, Material, Scene, SceneParts, Side};
 use radiosity::solve::{self, SolveOptions};
 use radiosity::trace::Tracer;

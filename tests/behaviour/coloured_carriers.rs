@@ -3,8 +3,9 @@
 use std::io::Cursor;
 
 use nalgebra::DMatrix;
-use radiosity::measure::{Budget, Energy, PathOptions, PathTracer};
+use radiosity::measure::Energy;
 use radiosity::patches::{Basis, PatchSize, Patches, Reach, Tessellation};
+use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::scene::{Material, Receiver, Scene};
 use radiosity::solve::{self, Method, SolveOptions};
 use radiosity::trace::Tracer;

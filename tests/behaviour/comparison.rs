@@ -1,11 +1,9 @@
 //! What the comparison with the path tracer says of right solvers, and of wrong ones.
 
 use nalgebra::DMatrix;
-use radiosity::measure::{
-    Agreement, Budget, Comparison, Difference, MeshError, OrderOptions, OrderRow, PathOptions, PathTraced,
-    PathTracer,
-};
+use radiosity::measure::{Agreement, Comparison, Difference, MeshError, OrderOptions, OrderRow};
 use radiosity::patches::{PatchSize, Patches, Tessellation};
+use radiosity::reference::{Budget, PathOptions, PathTraced, PathTracer};
 use radiosity::scene::Scene;
 use radiosity::solve::{self, Amplification, CgOptions, Problem};
 use radiosity::trace::Tracer;
@@ -116,7 +114,7 @@ fn orders_come_within_their_bounds_of_the_direct_solution() {
         let problem =
             Problem::unlit(&case.patches, &case.factors).unwrap().under(case.patches.emitted_radiance());
         let direct = problem.direct(&Default::default()).unwrap().irradiance;
-        let amplification = Amplification::new(problem.operator(), &CgOptions::default()).unwrap();
+        let amplification = Amplification::new(problem.operator(), Default::default()).unwrap();
         let options = OrderOptions { tolerance: 1e-8, ..Default::default() };
         let rows = OrderRow::all(&problem, &direct, &case.reference, &amplification, &options).unwrap();
         assert!((rows[0].vs_direct - 1.0).abs() < 1e-12, "order 0 has no irradiance");

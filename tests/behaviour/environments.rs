@@ -7,9 +7,10 @@ use std::sync::Arc;
 use glam::DVec3;
 use image::{ImageFormat, Rgb, Rgb32FImage};
 use nalgebra::DMatrix;
-use radiosity::measure::{Budget, Difference, Energy, PathOptions, PathTracer};
-use radiosity::output::{RenderOptions, Shading, render};
+use radiosity::measure::{Difference, Energy};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Environment, Light, Material, Pixels, Scene, Sky, SkyKind, luminance};
 use radiosity::solve::Problem;
 use radiosity::trace::Tracer;
@@ -148,7 +149,8 @@ fn the_picture_is_seen_behind_the_scene() {
     let towards = (camera.target - camera.position).normalize();
     for shading in [Shading::Flat, Shading::Smooth, Shading::Gather, Shading::Path] {
         let options = RenderOptions { width: 1, height: 1, shading, samples: 4, ..Default::default() };
-        let seen = render(&tracer, &solved.patches, &solved.radiance, &camera, &options).unwrap().pixels[0];
+        let seen =
+            render::picture(&tracer, &solved.patches, &solved.radiance, &camera, &options).unwrap().pixels[0];
         for (seen, exact) in seen.iter().zip(around.from(towards)) {
             assert!((f64::from(*seen) / exact - 1.0).abs() < 1e-3, "{shading:?}: {seen} {exact}");
         }

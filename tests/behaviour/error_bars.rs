@@ -2,11 +2,11 @@
 
 use nalgebra::DMatrix;
 use radiosity::measure::{
-    self, Budget, Ending, ErrorBars, ErrorPart, Goal, MeasureError, PathOptions, PathTracer, ReferenceRow,
-    RelativeRms, Resource, Tolerated,
+    self, Ending, ErrorBars, ErrorPart, Goal, MeasureError, RelativeRms, Resource, Tolerated,
 };
 use radiosity::patches::{Basis, FaceRow, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
+use radiosity::reference::{Budget, PathOptions, PathTracer, ReferenceRow};
 use radiosity::scene::{Material, Scene};
 use radiosity::solve::{CgOptions, Problem, Solution};
 use radiosity::trace::Tracer;

@@ -3,9 +3,10 @@
 
 use std::io::Cursor;
 
-use radiosity::measure::{Budget, Difference, Energy, PathOptions, PathTracer};
-use radiosity::output::{RenderOptions, Shading, render};
+use radiosity::measure::{Difference, Energy};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Material, Scene};
 use radiosity::solve::{self, DirectOptions, SolveOptions};
 use radiosity::trace::Tracer;
@@ -108,7 +109,7 @@ fn every_shading_shows_a_furnace_in_rough_metal_as_bright_as_the_furnace() {
         [(Shading::Flat, 4), (Shading::Smooth, 4), (Shading::Gather, 64), (Shading::Path, 64)]
     {
         let options = RenderOptions { width: 16, height: 12, shading, samples, ..Default::default() };
-        let picture = render(&tracer, &patches, &radiance, &camera, &options).unwrap();
+        let picture = render::picture(&tracer, &patches, &radiance, &camera, &options).unwrap();
         let mean = picture.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / 192.0;
         assert!((mean - 2.0).abs() < 0.02, "{shading:?}: {mean}");
     }
@@ -131,7 +132,8 @@ fn a_lamp_shines_in_rough_metal_as_bright_in_every_shading() {
     };
     let seen = |shading, samples| {
         let options = RenderOptions { width: 16, height: 12, shading, samples, ..Default::default() };
-        let picture = render(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap();
+        let picture =
+            render::picture(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap();
         picture.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / 192.0
     };
     let reference = seen(Shading::Path, 1024);

@@ -3,8 +3,9 @@
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
-use radiosity::measure::{Budget, Difference, Energy, PathOptions, PathTracer};
+use radiosity::measure::{Difference, Energy};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::scene::{IntensityTable, Light, Material, Receiver, Scene};
 use radiosity::solve::Problem;
 use radiosity::trace::Tracer;

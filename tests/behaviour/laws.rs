@@ -2,8 +2,9 @@
 
 use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
-use radiosity::measure::{Energy, ReferenceRow, RelativeRms};
+use radiosity::measure::{Energy, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::reference::ReferenceRow;
 use radiosity::scene::{Material, Scene, SceneParts};
 use radiosity::solve::{
     self, Certainty, CgOptions, DirectOptions, Method, NeumannOptions, Problem, Solution, SolveOptions,

@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use nalgebra::DMatrix;
-use radiosity::measure::{Budget, Energy, PathOptions, PathTracer, RelativeRms};
+use radiosity::measure::{Energy, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::scene::{Light, Material, Scene, SceneError, Side, Sky, SkyKind};
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Problem};
 use radiosity::trace::Tracer;

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 use nalgebra::DMatrix;
-use radiosity::measure::{Energy, ReferenceRow, RelativeRms};
+use radiosity::measure::{Energy, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::reference::ReferenceRow;
 use radiosity::scene::{Material, Scene, Side};
 use radiosity::solve::{self, CgOptions, DirectOptions};
 use radiosity::trace::sampling::{Stream, uniform_triangle};

@@ -4,9 +4,10 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use radiosity::measure::{Budget, Difference, Energy, PathOptions, PathTracer};
+use radiosity::measure::{Difference, Energy};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
+use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::scene::{Material, Scene};
 use radiosity::solve::{self, DirectOptions, SolveOptions};
 use radiosity::trace::{Hit, Ray, Scattered, Tracer};

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use radiosity::measure::{Budget, Estimate, MeasureError, PathOptions, PathTraced, PathTracer, ReferenceRow};
 use radiosity::patches::{PatchSize, Patches, Tessellation};
+use radiosity::reference::{Budget, Estimate, PathError, PathOptions, PathTraced, PathTracer, ReferenceRow};
 use radiosity::scene::{Material, Scene, Side};
 use radiosity::solve;
 use radiosity::trace::Tracer;
@@ -300,7 +300,7 @@ fn no_budget_is_an_error_and_no_light_is_none() {
     let time = |x| Budget { seconds: Some(x), ..Budget::default() };
     for budget in [Budget::default(), paths(0), zero(0.0), zero(-1.0), zero(f64::NAN), time(0.0)] {
         let refused = tracing.irradiance(&patches, &PathOptions { budget, ..Default::default() });
-        assert!(matches!(refused, Err(MeasureError::Budget)), "{budget:?}");
+        assert!(matches!(refused, Err(PathError::Budget)), "{budget:?}");
     }
     let traced = tracing.irradiance(&patches, &PathOptions::default()).unwrap();
     assert!(traced.means().iter().all(|&h| h == 0.0) && traced.relative_standard_error() == 0.0);

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use nalgebra::DMatrix;
 use radiosity::measure::Undershoot;
-use radiosity::output::{Picture, RenderOptions, Shading, render};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::render::{self, Picture, RenderOptions, Shading};
 use radiosity::scene::{Camera, Material, Scene};
 use radiosity::solve;
 use radiosity::trace::Tracer;
@@ -42,7 +42,7 @@ fn gathered_light_agrees_with_the_patches_and_with_light_paths() {
     let seen = |shading: Shading, seed: u64| {
         let options =
             RenderOptions { width: 64, height: 48, shading, samples: 64, seed, ..Default::default() };
-        render(&tracer, &patches, &radiance, &camera, &options).unwrap()
+        render::picture(&tracer, &patches, &radiance, &camera, &options).unwrap()
     };
     let gathered = seen(Shading::Gather, 0);
     for other in [Shading::Flat, Shading::Path] {
@@ -75,7 +75,7 @@ fn linear_elements_look_more_like_light_paths_than_as_many_constant_ones() {
     let [constant, linear] = [Basis::Constant, Basis::Linear].map(|basis| solved(&tracer, 300, basis));
     let seen = |(patches, radiance, _): &(Patches, DMatrix<f64>, Undershoot), shading: Shading| {
         let options = RenderOptions { shading, ..options };
-        render(&tracer, patches, radiance, &camera, &options).unwrap()
+        render::picture(&tracer, patches, radiance, &camera, &options).unwrap()
     };
     let paths = seen(&constant, Shading::Path);
     let apart = |picture: Picture| {
@@ -101,7 +101,7 @@ fn where_linear_elements_fall_below_zero_pictures_are_dark_but_not_black() {
     for (shading, factor) in SHADINGS.into_iter().flat_map(|s| [(s, 1.0), (s, 0.5)]) {
         let options = RenderOptions { width: 160, height: 120, shading, samples: 2, ..Default::default() };
         // Half of the light is less than lamps emit.
-        let picture = render(&tracer, &patches, &(&radiance * factor), &camera, &options).unwrap();
+        let picture = render::picture(&tracer, &patches, &(&radiance * factor), &camera, &options).unwrap();
         let pixels = || picture.pixels.iter().flatten();
         assert!(pixels().all(|&x| x.is_finite() && x >= 0.0), "{shading:?} {factor}");
         if matches!(shading, Shading::Flat | Shading::Smooth) {
@@ -134,7 +134,8 @@ fn pictures_of_nothing_lit_are_black_and_all_others_are_finite() {
         let camera = Camera { position: position.into(), target: target.into(), up: DVec3::Y, fov: 90.0 };
         for (shading, [width, height]) in SHADINGS.into_iter().flat_map(|s| [(s, [1, 1]), (s, [7, 5])]) {
             let options = RenderOptions { width, height, shading, samples: 4, ..Default::default() };
-            let picture = render(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap();
+            let picture =
+                render::picture(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap();
             assert_eq!(picture.is_black(), expected == Seen::Nothing, "{shading:?} from {position:?}");
             assert!(picture.pixels.iter().flatten().all(|x| x.is_finite()), "{shading:?} from {position:?}");
         }

@@ -4,9 +4,10 @@
 use std::f64::consts::PI;
 use std::io::Cursor;
 
-use radiosity::measure::{Energy, PathTracer};
-use radiosity::output::{RenderOptions, Shading, render};
+use radiosity::measure::Energy;
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::reference::PathTracer;
+use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Light, Material, Scene, SceneError, Sky, SkyKind, Surface};
 use radiosity::solve::{self, DirectOptions, SolveOptions};
 use radiosity::trace::{Tracer, fresnel};
@@ -215,7 +216,7 @@ fn every_shading_shows_a_furnace_in_white_plastic_as_bright_as_the_furnace() {
         [(Shading::Flat, 4), (Shading::Smooth, 4), (Shading::Gather, 64), (Shading::Path, 64)]
     {
         let options = RenderOptions { width: 16, height: 12, shading, samples, ..Default::default() };
-        let picture = render(&tracer, &patches, &radiance, &camera, &options).unwrap();
+        let picture = render::picture(&tracer, &patches, &radiance, &camera, &options).unwrap();
         let mean = picture.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / 192.0;
         assert!((mean - 2.0).abs() < 0.02, "{shading:?}: {mean}");
     }
@@ -245,7 +246,7 @@ fn a_lamp_shines_on_plastic_as_bright_in_every_shading() {
         };
         let seen = |shading, samples| {
             let options = RenderOptions { width: 16, height: 12, shading, samples, ..Default::default() };
-            let picture = render(&tracer, &patches, &solution.radiance, &camera, &options).unwrap();
+            let picture = render::picture(&tracer, &patches, &solution.radiance, &camera, &options).unwrap();
             picture.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / 192.0
         };
         let reference = seen(Shading::Path, 1024);

@@ -5,10 +5,11 @@ use std::io::Cursor;
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
-use radiosity::measure::{Budget, Energy, ErrorBars, PathOptions, PathTracer};
-use radiosity::output::{RenderOptions, Shading, render};
+use radiosity::measure::{Energy, ErrorBars};
 use radiosity::patches::{Basis, PatchSize, Patches, Reach, Sheets, Tessellation};
 use radiosity::progress::Progress;
+use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Material, Pixels, Scene, SceneError, SceneParts, Side, Texture, Textures};
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Problem, Solution};
 use radiosity::trace::Tracer;
@@ -393,7 +394,7 @@ fn every_way_of_shading_shows_the_light_through_a_sheet() {
             let seen = |shading: Shading, seed: u64| {
                 let options =
                     RenderOptions { width: 32, height: 32, shading, samples: 64, seed, ..Default::default() };
-                let picture = render(&tracer, &patches, &radiance, &camera, &options).unwrap();
+                let picture = render::picture(&tracer, &patches, &radiance, &camera, &options).unwrap();
                 [0, 1, 2].map(|c| picture.pixels.iter().map(|rgb| f64::from(rgb[c])).sum::<f64>())
             };
             let paths: Vec<[f64; 3]> = (0..8).map(|seed| seen(Shading::Path, seed)).collect();

@@ -5,8 +5,9 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DQuat, DVec3};
-use radiosity::measure::{Budget, Energy, PathOptions, PathTracer};
+use radiosity::measure::Energy;
 use radiosity::patches::{Basis, FaceRow, PatchSize, Patches, Tessellation};
+use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::scene::{Face, FaceState, Light, Material, Scene, SceneParts, Side};
 use radiosity::solve::{self, Problem};
 use radiosity::trace::Tracer;

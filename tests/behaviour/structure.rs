@@ -4,7 +4,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The way through the house, left to right.
-const ORDER: [&str; 8] = ["progress", "scene", "trace", "patches", "transport", "solve", "measure", "output"];
+const ORDER: [&str; 10] = [
+    "progress",
+    "scene",
+    "trace",
+    "patches",
+    "transport",
+    "solve",
+    "reference",
+    "measure",
+    "render",
+    "output",
+];
 
 /// What does the mathematics, the tracing and the files; the program leaves all of it to the library.
 const WORKSHOP: [&str; 8] = ["nalgebra", "faer", "sprs", "glam", "obvhs", "sobol_burley", "tobj", "image"];

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use image::{ImageFormat, Rgb, Rgb32FImage, RgbImage};
 use nalgebra::DMatrix;
-use radiosity::measure::{Budget, Difference, Energy, PathOptions, PathTracer, RelativeRms};
-use radiosity::output::{Picture, RenderOptions, Shading, Surfaces, render};
+use radiosity::measure::{Difference, Energy, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches, Reach, Tessellation};
+use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::render::{self, Picture, RenderOptions, Shading, Surfaces};
 use radiosity::scene::{Camera, Face, FaceState, Material, Pixels, Scene, SceneParts, Side, Texture};
 use radiosity::solve;
 use radiosity::trace::Tracer;
@@ -187,7 +188,7 @@ fn every_way_of_shading_shows_the_picture_under_the_light() {
         let seen = |shading: Shading, surfaces: Surfaces, samples: u32| {
             let options =
                 RenderOptions { width: 64, height: 48, shading, surfaces, samples, ..Default::default() };
-            render(&tracer, &case.patches, &radiance, &from_above(), &options).unwrap()
+            render::picture(&tracer, &case.patches, &radiance, &from_above(), &options).unwrap()
         };
         let paths = truth.get_or_insert_with(|| seen(Shading::Path, Surfaces::Textured, 512));
         let averaged = apart(&seen(Shading::Flat, Surfaces::Averaged, 1), paths);
@@ -215,7 +216,7 @@ fn even_light_on_a_picture_shows_the_picture() {
     };
     for shading in [Shading::Flat, Shading::Smooth] {
         let options = RenderOptions { width: 40, height: 40, shading, ..Default::default() };
-        let picture = render(&tracer, &patches, &radiance, &camera, &options).unwrap();
+        let picture = render::picture(&tracer, &patches, &radiance, &camera, &options).unwrap();
         // The middle of the floor: compare with the picture there, by hand.
         let hit_colour = picture.pixels[20 * 40 + 20];
         let texture = scene.material_of(2).textures.reflectance.clone().unwrap();

@@ -2,10 +2,11 @@
 //! through.
 
 use glam::DVec3;
-use radiosity::measure::{Budget, Energy, PathOptions, PathTracer};
-use radiosity::output::{RenderOptions, Shading, render};
+use radiosity::measure::Energy;
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
+use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Light, Material, Scene, Sky, SkyKind, Surface};
 use radiosity::solve::{self, Problem, SolveOptions};
 use radiosity::trace::Tracer;
@@ -174,7 +175,8 @@ fn every_shading_shows_the_sky_behind_a_sheet() {
         [(Shading::Flat, 1), (Shading::Smooth, 1), (Shading::Gather, 1024), (Shading::Path, 1024)]
     {
         let options = RenderOptions { width: 4, height: 4, shading, samples, ..Default::default() };
-        let picture = render(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap();
+        let picture =
+            render::picture(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap();
         let mean = picture.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / 16.0;
         assert!((mean / exact - 1.0).abs() < 0.005, "{shading:?}: {mean} {exact}");
     }

@@ -10,9 +10,10 @@ use radiosity::patches::Patches;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep};
 
-use crate::args::{self, RunArgs};
+use crate::args::RunArgs;
 use crate::factors::FactorsArgs;
 use crate::terminal::{Failure, Terminal};
+use crate::values;
 use crate::verdict::phrase;
 
 /// What to stop at.
@@ -34,7 +35,7 @@ pub struct GoalArgs {
     #[arg(
         long,
         value_name = "TIME",
-        value_parser = args::duration,
+        value_parser = values::duration,
         conflicts_with_all = ["patches", "edge", "rays", "factors", "save_factors"]
     )]
     time: Option<Duration>,
@@ -190,12 +191,12 @@ fn percent(share: f64) -> String {
 
 fn wanted(text: &str) -> Result<Wanted, String> {
     let absolute =
-        |unit: &str| text.strip_suffix(unit).and_then(|number| args::positive_length(number.trim()).ok());
+        |unit: &str| text.strip_suffix(unit).and_then(|number| values::positive_length(number.trim()).ok());
     if let Some(h) = absolute("W/m2").or_else(|| absolute("W/m²")) {
         Ok(Wanted::Irradiance(h))
     } else if let Some(lux) = absolute("lx") {
         Ok(Wanted::Illuminance(lux))
     } else {
-        args::share(text).map(Wanted::Share).map_err(|_| "write it as 1%, 0.01, 0.2W/m2 or 5lx".into())
+        values::share(text).map(Wanted::Share).map_err(|_| "write it as 1%, 0.01, 0.2W/m2 or 5lx".into())
     }
 }

@@ -3,21 +3,23 @@
 use std::time::Instant;
 
 use radiosity::measure::{
-    Agreement, AgreementTest, Answer, Budget, Comparison, Energy, MeshError, OrderOptions, OrderRow,
-    PathOptions, PathTracer, Verdict,
+    Agreement, AgreementTest, Answer, Comparison, Energy, MeshError, OrderOptions, OrderRow, Verdict,
 };
 use radiosity::output::{
     self, BouncePictures, ComparisonOptions, ComparisonSummary, DirectSummary, OrderSummary, OrdersPlot,
-    RenderOptions, Shading,
 };
+use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::Scene;
 use radiosity::solve::{self, Amplification, Certainty, Problem, Report, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::Keep;
 
-use crate::args::{self, RunArgs, SceneArgs, SolverArgs};
+use crate::args::{RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
+use crate::picture;
 use crate::terminal::{Failure, Terminal};
+use crate::values;
 use crate::verdict::{self, StrictArgs};
 
 /// Compare the direct solution and every order of the series with a path-traced reference
@@ -46,19 +48,19 @@ pub struct Args {
 struct ReferenceArgs {
     /// Trace paths until all patches together are known this well (relative standard error) [default: 2%,
     /// unless --seconds or --paths is given]
-    #[arg(long, value_name = "SHARE", value_parser = args::share)]
+    #[arg(long, value_name = "SHARE", value_parser = values::share)]
     standard_error: Option<f64>,
 
     /// Trace paths for so many seconds at most
-    #[arg(long, value_name = "S", value_parser = args::positive_length)]
+    #[arg(long, value_name = "S", value_parser = values::positive_length)]
     seconds: Option<f64>,
 
     /// Trace so many paths at most; every patch gets some
-    #[arg(long, value_name = "N", value_parser = args::positive)]
+    #[arg(long, value_name = "N", value_parser = values::positive)]
     paths: Option<usize>,
 
     /// Width and height of each picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "400x300", value_parser = args::size)]
+    #[arg(long, value_name = "WxH", default_value = "400x300", value_parser = values::size)]
     size: (usize, usize),
 
     /// Paths per pixel of the reference picture; best a power of two
@@ -103,7 +105,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let problem = Problem::new(&tracer, &patches, &factors, &args.factors.light(&args.run, progress))?;
     let before_solving = began.elapsed().as_secs_f64();
     progress.at("solve", 0.0)?;
-    let amplification = Amplification::new(problem.operator(), &Default::default())?;
+    let amplification = Amplification::new(problem.operator(), Default::default())?;
     let options = args.solver.options(&args.run, progress);
     // The solution that orders are held against must be much better than the best of them.
     let tolerance = (SOLVED_BETTER * options.tolerance).max(1e-13);
@@ -133,12 +135,12 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let irradiance = &direct.means().irradiance;
     let comparison = Comparison::new(&patches, irradiance, &reference, &mesh);
 
-    let camera = args::camera(&tracer, &patches);
+    let camera = picture::camera(&tracer, &patches);
     let picture = |shading| {
-        output::render(&tracer, &patches, &direct.radiance, &camera, &RenderOptions { shading, ..look })
+        render::picture(&tracer, &patches, &direct.radiance, &camera, &RenderOptions { shading, ..look })
     };
     let [matrix, traced] = [picture(Shading::Smooth)?, picture(Shading::Path)?];
-    args::warn_if_black(&matrix, direct.irradiance.amax(), terminal);
+    picture::warn_if_black(&matrix, direct.irradiance.amax(), terminal);
     let terms = solve::bounces(
         problem.operator(),
         problem.right_hand_side(),

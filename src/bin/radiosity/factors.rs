@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use radiosity::output::{self, RenderOptions};
+use radiosity::output;
 use radiosity::patches::{PatchError, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
+use radiosity::render::RenderOptions;
 use radiosity::scene::{Feature, Scene};
 use radiosity::trace::Tracer;
 use radiosity::transport::{Forecast, FormFactors, Keep, LightOptions, Plan, Switches, TraceOptions, Work};

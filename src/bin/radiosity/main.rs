@@ -7,11 +7,13 @@ mod compare;
 mod factors;
 mod form_factors;
 mod materials;
+mod picture;
 mod plan;
 mod render;
 mod solve;
 mod study;
 mod terminal;
+mod values;
 mod verdict;
 
 use std::process::ExitCode;

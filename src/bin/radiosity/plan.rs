@@ -3,8 +3,9 @@
 use radiosity::trace::Tracer;
 use radiosity::transport::Cost;
 
-use crate::args::{PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::args::{RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
+use crate::picture::PictureArgs;
 use crate::terminal::{Failure, Terminal};
 
 /// Tell what solve would simulate and what that would cost, without tracing a ray

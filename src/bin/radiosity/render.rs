@@ -1,13 +1,14 @@
 //! `radiosity render`: pictures.
 
 use radiosity::measure::{Answer, Energy, Verdict};
-use radiosity::output::{self, RenderOptions};
+use radiosity::render::{self, RenderOptions};
 use radiosity::solve::Problem;
 use radiosity::trace::Tracer;
 use radiosity::transport::Keep;
 
-use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::args::{RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
+use crate::picture::{self, PictureArgs};
 use crate::terminal::{Failure, Terminal};
 use crate::verdict::{self, StrictArgs};
 
@@ -49,10 +50,10 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         budget: None,
         tolerance: args.solver.tolerance,
     });
-    let camera = args::camera(&tracer, &patches);
+    let camera = picture::camera(&tracer, &patches);
     let look = RenderOptions { carried: problem.carried(), ..look };
-    let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
-    args::warn_if_black(&picture, solution.irradiance.amax(), terminal);
+    let picture = render::picture(&tracer, &patches, &solution.radiance, &camera, &look)?;
+    picture::warn_if_black(&picture, solution.irradiance.amax(), terminal);
     progress.at("write", 0.0)?;
     let mut outputs = args.scene.outputs(&scene)?;
     args.picture.write(&picture, &mut outputs)?;

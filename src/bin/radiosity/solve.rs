@@ -3,19 +3,19 @@
 use std::iter;
 
 use radiosity::measure::{self, Answer, Energy, ErrorBars, Undershoot, Verdict};
-use radiosity::output::{
-    self, EnergySummary, Photometry, Quantity, RenderOptions, SeriesSummary, Shading, Summary, Surfaces,
-};
+use radiosity::output::{self, EnergySummary, Photometry, Quantity, SeriesSummary, Summary};
 use radiosity::patches::{Basis, Patches};
+use radiosity::render::{self, RenderOptions, Shading, Surfaces};
 use radiosity::scene::{Feature, Scene};
 use radiosity::solve::{Amplification, NeumannOptions, Problem, Solution, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, ReceiverRows, Sources};
 
 use crate::accuracy::{self, GoalArgs};
-use crate::args::{self, PictureArgs, RunArgs, SceneArgs, SolverArgs};
+use crate::args::{RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
 use crate::materials;
+use crate::picture::{self, PictureArgs};
 use crate::terminal::{Failure, Terminal};
 use crate::verdict::{self, StrictArgs};
 
@@ -77,7 +77,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let problem = Problem::new(&tracer, &patches, &factors, &light)?;
     let groups = if args.lamp_groups { lamp_groups(&problem, &patches) } else { Vec::new() };
     progress.at("solve", 0.0)?;
-    let amplification = Some(&Amplification::new(problem.operator(), &Default::default())?);
+    let amplification = Some(&Amplification::new(problem.operator(), Default::default())?);
     let options = SolveOptions { amplification, ..args.solver.options(&args.run, progress) };
     // All lamps together, then each group of lamps by itself: one factorization serves them all.
     let all: Vec<&Sources> = iter::once(problem.sources()).chain(groups.iter().map(|(_, s)| s)).collect();
@@ -109,16 +109,16 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         ));
     }
 
-    let camera = args::camera(&tracer, &patches);
+    let camera = picture::camera(&tracer, &patches);
     let look = RenderOptions { carried: problem.carried(), ..look };
-    let picture = output::render(&tracer, &patches, &solution.radiance, &camera, &look)?;
-    args::warn_if_black(&picture, solution.irradiance.amax(), terminal);
+    let picture = render::picture(&tracer, &patches, &solution.radiance, &camera, &look)?;
+    picture::warn_if_black(&picture, solution.irradiance.amax(), terminal);
     // Illuminance is shown from patches and corners, however light is.
     let shading = if look.shading == Shading::Flat { Shading::Flat } else { Shading::Smooth };
     let look = RenderOptions { shading, surfaces: Surfaces::Averaged, ..look };
     let false_colours = args.photometric.then(|| {
         let lux = output::luminous(&solution.irradiance, scene.efficacy());
-        output::render(&tracer, &patches, &lux, &camera, &look)
+        render::picture(&tracer, &patches, &lux, &camera, &look)
     });
     let false_colours = false_colours.transpose()?;
     progress.at("write", 0.0)?;

@@ -7,12 +7,14 @@ use std::time::Duration;
 use radiosity::measure::{Grid, LeftOut, MeasureError, Study, StudyOptions, Want};
 use radiosity::output::{self, StudySummary};
 use radiosity::patches::PatchError;
+use radiosity::reference::PathError;
 use radiosity::solve::SolveError;
 use radiosity::trace::Tracer;
 use radiosity::transport::TransportError;
 
-use crate::args::{self, BasisArg, RunArgs, SceneArgs};
+use crate::args::{BasisArg, RunArgs, SceneArgs};
 use crate::terminal::{Failure, Terminal};
+use crate::values;
 use crate::verdict::StrictArgs;
 
 /// Show what accuracy costs in time: patches × rays × solver and order against a path-traced reference
@@ -28,15 +30,15 @@ pub struct Args {
     scene: SceneArgs,
 
     /// Time for all of it, as 90s, 5min or 1h; settings that do not fit are left out
-    #[arg(long, value_name = "TIME", default_value = "90s", value_parser = args::duration, help_heading = "Study")]
+    #[arg(long, value_name = "TIME", default_value = "90s", value_parser = values::duration, help_heading = "Study")]
     time: Duration,
 
     /// Noise of the reference that is small enough, relative
-    #[arg(long, value_name = "SHARE", default_value = "0.05%", value_parser = args::share, help_heading = "Study")]
+    #[arg(long, value_name = "SHARE", default_value = "0.05%", value_parser = values::share, help_heading = "Study")]
     noise: f64,
 
     /// Numbers of patches to try, with --rays [default: three or more, chosen for the scene and --time]
-    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = args::positive, requires = "rays", help_heading = "Study")]
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', value_parser = values::positive, requires = "rays", help_heading = "Study")]
     patches: Vec<usize>,
 
     /// Rays per patch to try, with --patches
@@ -193,6 +195,7 @@ fn is_stop(error: &MeasureError) -> bool {
     matches!(
         error,
         MeasureError::Cancelled(_)
+            | MeasureError::Paths(PathError::Cancelled(_))
             | MeasureError::Patches(PatchError::Cancelled(_))
             | MeasureError::Transport(TransportError::Cancelled(_))
             | MeasureError::Solve(SolveError::Cancelled(_))

@@ -14,8 +14,8 @@
 use super::difference;
 use super::difference::{Difference, Place};
 use super::mesh_error::MeshError;
-use crate::measure::PathTraced;
 use crate::patches::Patches;
+use crate::reference::PathTraced;
 
 /// The chance of calling a right answer different, all four looks together.
 const LEVEL: f64 = 1e-3;

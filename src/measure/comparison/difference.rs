@@ -4,8 +4,8 @@
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
-use crate::measure::PathTraced;
 use crate::patches::Patches;
+use crate::reference::PathTraced;
 
 /// Of a field, its reference and that reference's noise over all places, area-weighted.
 #[derive(Clone, Copy, Debug, PartialEq)]

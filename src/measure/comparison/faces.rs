@@ -1,7 +1,7 @@
 //! Faces: how far an answer is from one that another program found for the same faces.
 
-use super::ReferenceRow;
 use crate::patches::FaceRow;
+use crate::reference::ReferenceRow;
 
 /// How far an answer is from a reference.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,6 @@ mod difference;
 mod faces;
 mod mesh_error;
 mod orders;
-mod reference;
 
 use nalgebra::DMatrix;
 
@@ -14,10 +13,9 @@ pub use difference::{Difference, Worst};
 pub use faces::RelativeRms;
 pub use mesh_error::MeshError;
 pub use orders::{OrderOptions, OrderRow};
-pub use reference::{ReferenceError, ReferenceRow};
 
-use super::PathTraced;
 use crate::patches::Patches;
+use crate::reference::PathTraced;
 
 /// An answer beside its path-traced reference.
 #[derive(Clone, Debug, PartialEq)]

@@ -16,9 +16,10 @@ use std::time::Instant;
 use nalgebra::DMatrix;
 
 use super::Difference;
-use crate::measure::{MeasureError, PathTraced};
+use crate::measure::MeasureError;
 use crate::patches::Basis;
 use crate::progress::Progress;
+use crate::reference::PathTraced;
 use crate::solve::{Amplification, Problem};
 use crate::transport::Transport;
 

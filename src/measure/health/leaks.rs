@@ -93,6 +93,7 @@ impl<'t> Starts<'t> {
         let lamps = shape::kept(scene).filter(|&face| emission(face) > 0.0).map(|face| {
             let facet = Facet {
                 face: face as u32,
+                side: Side::Front,
                 corners: *tracer.corners(face),
                 normal: tracer.normal(face, Side::Front),
                 coat: None,

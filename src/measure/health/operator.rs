@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use super::{Finding, Grade};
 use crate::patches::{Patches, Slot};
 use crate::progress::Progress;
-use crate::solve::{Amplification, CgOptions, Problem, SolveError};
+use crate::solve::{Amplification, Problem, SolveError};
 use crate::transport::{Exchange, FormFactors, Transport, TransportError};
 
 /// What rounding may do to a sum of shares.
@@ -130,7 +130,7 @@ fn norm(k: &Transport) -> Finding {
 
 /// A bound on the condition number of I − K: by how much an error of its entries can grow.
 fn condition(k: &Transport, patches: &Patches, progress: Progress) -> Result<Finding, SolveError> {
-    let value = Amplification::new(k, &CgOptions { progress, ..Default::default() })?.condition();
+    let value = Amplification::new(k, progress)?.condition();
     let finding = Finding::good("condition", value, Some("at most"));
     if value < WELL {
         return Ok(finding);

@@ -12,9 +12,10 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use crate::measure::{Budget, MeasureError, PathOptions, PathTraced, PathTracer};
+use crate::measure::MeasureError;
 use crate::patches::{FaceRow, Patches};
 use crate::progress::Progress;
+use crate::reference::{Budget, PathOptions, PathTraced, PathTracer, ReferenceRow};
 use crate::scene::Side;
 use crate::trace::Tracer;
 
@@ -103,7 +104,7 @@ impl StudyReference {
     }
 
     fn of(sides: &Patches, estimate: &PathTraced) -> Self {
-        let side = |row: super::super::ReferenceRow| {
+        let side = |row: ReferenceRow| {
             let patches = sides.patches_of(row.face, row.side);
             ReferenceSide {
                 area: patches.clone().map(|i| sides.area(i)).sum(),

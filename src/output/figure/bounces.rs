@@ -9,9 +9,8 @@ use super::canvas::{Area, Canvas, GREY};
 use super::panel::{MARGIN, TITLE, draw_picture, draw_title, enlargement};
 use super::text;
 use super::text::TextSize;
-use crate::output::tone::luminance;
-use crate::output::{Exposure, OutputError, Picture, RenderOptions, Surfaces, render};
 use crate::patches::Patches;
+use crate::render::{Exposure, Picture, RenderError, RenderOptions, Surfaces, luminance, picture};
 use crate::scene::Camera;
 use crate::trace::Tracer;
 
@@ -43,13 +42,13 @@ impl BouncePictures {
         terms: &[DMatrix<f64>],
         camera: &Camera,
         options: &RenderOptions,
-    ) -> Result<Vec<Self>, OutputError> {
+    ) -> Result<Vec<Self>, RenderError> {
         // What a bounce adds has nothing emitted in it.
         let options = &RenderOptions { surfaces: Surfaces::Averaged, ..*options };
         let mut sum = DMatrix::zeros(terms.first().map_or(0, DMatrix::nrows), patches.scene().channels());
         let orders = terms.iter().enumerate().map(|(order, term)| {
             sum += term;
-            let [sum, bounce] = [&sum, term].map(|field| render(tracer, patches, field, camera, options));
+            let [sum, bounce] = [&sum, term].map(|field| picture(tracer, patches, field, camera, options));
             Ok(Self { order, sum: sum?, bounce: bounce? })
         });
         orders.collect()

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crate::output::picture::write_rgb_png;
+use crate::render::write_rgb_png;
 
 /// An sRGB colour.
 pub(super) type Colour = [u8; 3];

@@ -13,8 +13,7 @@ use super::diverging::diverging;
 use super::panel::{MARGIN, TITLE, draw_picture, draw_pixels, draw_title, enlargement};
 use super::text::TextSize;
 use super::{round_up, text};
-use crate::output::tone::luminance;
-use crate::output::{Exposure, Picture};
+use crate::render::{Exposure, LampPart, Picture, luminance};
 
 /// Height of the colour scale, of the ticks below it, and of all of that with labels.
 const SCALE: usize = 14;
@@ -132,7 +131,7 @@ fn relative_difference(matrix: &Picture, reference: &Picture, radius: usize) -> 
 
 /// The round number that most differences stay below, where there is light and no lamp.
 fn robust_range(difference: &[f64], reference: &Picture) -> f64 {
-    let counts = |(_, (pixel, lamp)): &(&f64, (&[f32; 3], &super::super::LampPart))| {
+    let counts = |(_, (pixel, lamp)): &(&f64, (&[f32; 3], &LampPart))| {
         lamp.share == 0.0 && pixel.iter().any(|&x| x > 0.0)
     };
     let pixels = difference.iter().zip(reference.pixels.iter().zip(&reference.lamps));
@@ -186,7 +185,6 @@ fn percent(share: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::LampPart;
 
     fn written(matrix: &Picture, reference: &Picture, options: &ComparisonOptions) -> image::RgbImage {
         let mut bytes = Vec::new();

@@ -4,7 +4,7 @@
 //! sides. Red and blue are told apart with any kind of colour blindness.
 
 use super::canvas::Colour;
-use crate::output::tone::to_byte;
+use crate::render::to_byte;
 
 /// OKLab lightness and chroma at the ends, hues in radians: an orange red and a blue.
 const DARKEST: f64 = 0.42;

@@ -9,8 +9,7 @@ use super::diverging::oklab_to_linear;
 use super::panel::{MARGIN, TITLE, draw_pixels, draw_title, enlargement};
 use super::text::TextSize;
 use super::{round_up, text};
-use crate::output::Picture;
-use crate::output::tone::{luminance, to_byte};
+use crate::render::{Picture, luminance, to_byte};
 
 /// Steps of the legend, from nothing to the highest value shown.
 const STEPS: usize = 10;

@@ -3,7 +3,7 @@
 use super::canvas::{Area, Canvas, Colour, GREY, INK};
 use super::text;
 use super::text::TextSize;
-use crate::output::{Exposure, Picture};
+use crate::render::{Exposure, Picture};
 
 /// Space around everything, pixels.
 pub(super) const MARGIN: usize = 18;

@@ -243,7 +243,7 @@ mod tests {
         [[a, b, c], [a, c, d]].map(|corners| {
             let corners = corners.map(DVec3::from);
             let across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-            let facet = Facet { face, corners, normal: across.normalize(), coat: None };
+            let facet = Facet { face, corners, normal: across.normalize(), coat: None, side: Side::Front };
             Polygon::new(&facet, 0.5 * across.length())
         })
     }
@@ -299,15 +299,18 @@ mod tests {
             let turn = f64::from(k) * TAU / 64.0;
             let corner = |angle: f64| DVec3::new(angle.cos(), 1.4 * angle.sin(), 0.0);
             let corners = [0.1, 2.0, 4.5].map(|angle| corner(angle + turn));
-            let low = Polygon::new(&Facet { face: 0, corners, normal: DVec3::Z, coat: None }, {
-                0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).length()
-            });
+            let low =
+                Polygon::new(&Facet { face: 0, corners, normal: DVec3::Z, coat: None, side: Side::Front }, {
+                    0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).length()
+                });
             for factor in [1.01 * SIX_DO, 1.01 * THREE_DO] {
                 let away = DVec3::new(turn.sin(), 0.3, 1.0).normalize() * factor * 2.0 * low.radius;
                 let up = low.centre + away;
                 let other = [0, 2, 1].map(|k: usize| up + (corners[k] - low.centre));
-                let high =
-                    Polygon::new(&Facet { face: 1, corners: other, normal: -DVec3::Z, coat: None }, low.area);
+                let high = Polygon::new(
+                    &Facet { face: 1, corners: other, normal: -DVec3::Z, coat: None, side: Side::Front },
+                    low.area,
+                );
                 let off = low.exchange_area(&high) / low.by_contours(&high) - 1.0;
                 assert!(off.abs() < 3e-6, "{factor} {k}: {off}");
             }

@@ -9,7 +9,7 @@
 use nalgebra::DMatrix;
 
 use super::photons::Photons;
-use crate::measure::ReferenceRow;
+use super::table::ReferenceRow;
 use crate::patches::{FaceRow, Patches};
 
 /// Paths in a batch: the more the better they complement each other; where there are many patches, few, for

@@ -3,9 +3,10 @@
 use glam::DVec3;
 use nalgebra::DMatrix;
 
-use crate::output::{SmoothField, to_rgb};
 use crate::patches::{Barycentrics, Basis, Patches};
-use crate::trace::Tracer;
+use crate::render::smooth::SmoothField;
+use crate::render::tone::to_rgb;
+use crate::trace::{Tint, Tracer};
 
 /// Radiance wherever there are patches.
 pub(super) enum Field<'a, 's> {
@@ -71,11 +72,19 @@ pub(super) fn rgb_rows(radiance: &DMatrix<f64>) -> impl Iterator<Item = DVec3> {
     radiance.row_iter().map(|row| to_rgb(row.transpose().as_slice()).into())
 }
 
+/// A tint as red, green and blue.
+pub(super) fn rgb_of(tint: Tint) -> DVec3 {
+    match tint.channels() {
+        3 => to_rgb(&[0, 1, 2].map(|channel| tint.part(channel))).into(),
+        _ => DVec3::splat(tint.mean()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::tests::{by_corners, cut, quad, triangles};
     use crate::patches::Reach;
+    use crate::render::test_scenes::{by_corners, cut, quad, triangles};
     use crate::scene::Material;
     use crate::trace::sampling::{Stream, uniform_triangle};
 

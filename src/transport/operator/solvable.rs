@@ -2,15 +2,15 @@
 //! numbers, not absorbed in the scene. A row without any entry traps nothing, though: what it lacks is all of
 //! it.
 
-use super::exchange::Exchange;
-use super::operator::Transport;
+use super::Transport;
+use crate::transport::exchange::Exchange;
 
 /// A share that rounding alone can leave of nothing.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A set of coefficients' patches that sees only itself, lets nothing out and absorbs nothing in some
 /// channel, if there is one.
-pub(super) fn trapped(k: &Transport) -> Option<Vec<usize>> {
+pub fn trapped(k: &Transport) -> Option<Vec<usize>> {
     let passed_on = k.passed_on();
     (0..k.channels()).find_map(|channel| {
         let absorbs = |i: usize| 1.0 - passed_on[(i, channel)] > ROUNDING;

@@ -1,4 +1,4 @@
-//! Path tracer: an independent witness, the light on every patch by following random light paths on the
+//! Reference: what answers are held against. The path tracer is an independent witness, the light on every patch by following random light paths on the
 //! surfaces themselves.
 //!
 //! Light from points and suns that mirrors and glass throw on surfaces is found by no path that starts where
@@ -14,6 +14,7 @@ mod near;
 mod photons;
 mod rounds;
 mod surroundings;
+mod table;
 mod walk;
 
 use std::f64::consts::FRAC_1_PI;
@@ -24,8 +25,8 @@ use rayon::prelude::*;
 
 pub use estimate::{Estimate, PathTraced};
 pub use rounds::Budget;
+pub use table::{ReferenceError, ReferenceRow};
 
-use super::MeasureError;
 use crate::patches::{MOST_SLOTS, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
@@ -34,7 +35,21 @@ use crate::trace::{Hit, Ray, Tracer};
 use estimate::Half;
 use photons::Thrower;
 use rounds::{first_round, next_round};
-use walk::{Beyond, Met, Numbers, Place, Walker};
+use walk::{Beyond, Met, Numbers, Walker};
+
+/// Why no light paths were traced, or not to their end.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PathError {
+    /// Nothing would end the work, or before it begins.
+    #[error(
+        "a path tracer needs a budget: a standard error, a time or a number of paths, each above 0 where it is given"
+    )]
+    Budget,
+    /// The observer asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
 
 /// Every slot has two offsets into the stream of paths, one a half.
 const _: () = assert!(2 * MOST_SLOTS - 1 <= u32::MAX as u64);
@@ -152,7 +167,7 @@ impl<'t, 's> PathTracer<'t, 's> {
     ///
     /// # Errors
     /// `Budget` or `Cancelled`.
-    pub fn irradiance(&self, patches: &Patches, options: &PathOptions) -> Result<PathTraced, MeasureError> {
+    pub fn irradiance(&self, patches: &Patches, options: &PathOptions) -> Result<PathTraced, PathError> {
         let areas: Vec<f64> = (0..patches.len()).map(|i| patches.area(i)).collect();
         let mut estimate = PathTraced::new(self.walker.channels, options.bounces, &areas);
         self.refine(patches, &mut estimate, options)?;
@@ -172,11 +187,11 @@ impl<'t, 's> PathTracer<'t, 's> {
         patches: &Patches,
         estimate: &mut PathTraced,
         options: &PathOptions,
-    ) -> Result<(), MeasureError> {
+    ) -> Result<(), PathError> {
         assert_eq!(patches.len(), estimate.len(), "the patches that paths were traced from");
         let PathOptions { budget, progress, .. } = options;
         if !budget.is_valid() {
-            return Err(MeasureError::Budget);
+            return Err(PathError::Budget);
         }
         progress.at("reference", 0.0)?;
         let began = Instant::now();
@@ -262,14 +277,8 @@ impl<'t, 's> PathTracer<'t, 's> {
             for point in 0..size {
                 let mut numbers = Numbers { sequence, point, set: 0 };
                 let [s, t, x, y] = numbers.next();
-                let place = Place {
-                    face: facet.face,
-                    point: facet.point([s, t]),
-                    normal: facet.normal,
-                    coat: facet.coat,
-                };
                 self.walker.irradiance(
-                    place,
+                    facet.interaction([s, t]),
                     [x, y],
                     &mut numbers,
                     &mut weight,

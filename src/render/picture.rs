@@ -1,14 +1,12 @@
 //! Picture: linear radiance per pixel, and the files made of it.
 
 use std::io::{self, Cursor, Write};
-use std::path::Path;
 
 use image::codecs::{openexr::OpenExrEncoder, png};
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 use rayon::prelude::*;
 
-use super::tone::to_byte;
-use super::{Exposure, OutputError, replace};
+use super::tone::{Exposure, to_byte};
 
 /// What lamps contribute to a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -102,14 +100,6 @@ impl Picture {
         writer.write_all(&file.into_inner())
     }
 
-    /// Writes an sRGB PNG to `path`, which changes only once everything is written.
-    ///
-    /// # Errors
-    /// `Write`.
-    pub fn save_png(&self, path: impl AsRef<Path>, exposure: Exposure) -> Result<(), OutputError> {
-        replace(path, |writer| self.write_png(writer, exposure))
-    }
-
     /// Whether no light arrives anywhere.
     pub fn is_black(&self) -> bool {
         self.pixels.iter().flatten().all(|&x| x <= 0.0)
@@ -117,7 +107,7 @@ impl Picture {
 }
 
 /// Writes sRGB bytes as PNG, 8 bits a channel.
-pub(super) fn write_rgb_png(
+pub(crate) fn write_rgb_png(
     writer: &mut dyn Write,
     bytes: &[u8],
     width: usize,

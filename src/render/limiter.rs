@@ -16,7 +16,7 @@ use crate::patches::Basis;
 const DARKEST: f64 = 0.2;
 
 /// The field as it is shown, by coefficients (N × c). Constant elements are shown as they are.
-pub(super) fn limited(basis: Basis, field: &DMatrix<f64>) -> Cow<'_, DMatrix<f64>> {
+pub(crate) fn limited(basis: Basis, field: &DMatrix<f64>) -> Cow<'_, DMatrix<f64>> {
     if basis == Basis::Constant {
         return Cow::Borrowed(field);
     }

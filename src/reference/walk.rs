@@ -18,56 +18,14 @@ use glam::DVec3;
 use super::beams::Beams;
 use super::lights::Lights;
 use crate::scene::{FaceTexture, Side};
-use crate::trace::sampling::{Sequence, cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
-use crate::trace::{Coat, Glossy, Hit, IN_PLANE, Ray, Tint, Tracer};
+use crate::trace::sampling::Sequence;
+use crate::trace::{Glossy, Hit, IN_PLANE, Interaction, Ray, Tint, Tracer};
 
 /// Steps that every walk takes; from then on Russian roulette decides whether it goes on.
 pub(super) const CERTAIN: usize = 3;
 
 /// A path that has met more carriers than this between two diffuse surfaces is given up.
 const MOST_CARRIERS: usize = 1000;
-
-/// A place on a face's side.
-#[derive(Clone, Copy)]
-pub(super) struct Place<'t> {
-    pub face: u32,
-    pub point: DVec3,
-    /// Unit normal of the side.
-    pub normal: DVec3,
-    /// What lies over it.
-    pub coat: Option<&'t Coat>,
-}
-
-impl<'t> Place<'t> {
-    /// Where a ray ended.
-    pub fn of(tracer: &'t Tracer, hit: &Hit) -> Self {
-        Self {
-            face: hit.face,
-            point: tracer.point(hit),
-            normal: tracer.normal(hit.face as usize, hit.side),
-            coat: tracer.coat_of(hit.face),
-        }
-    }
-
-    /// A direction in which light is looked for, with density [`Place::density`].
-    #[inline]
-    pub fn direction(&self, square: [f64; 2]) -> DVec3 {
-        let local = self.coat.map_or_else(|| cosine_hemisphere(square), |coat| coat.leaving(square));
-        frame_around(self.normal) * local
-    }
-
-    /// cos θ/π, or (1 − E) cos θ / (π (1 − Ē)) under a coat.
-    #[inline]
-    fn density(&self, cosine: f64) -> f64 {
-        self.coat.map_or_else(|| cosine_hemisphere_pdf(cosine), |coat| coat.leaving_pdf(cosine))
-    }
-
-    /// By how much light from an angle counts more than even light does: 1 where there is no coat.
-    #[inline]
-    pub fn weight(&self, cosine: f64) -> f64 {
-        self.coat.map_or(1.0, |coat| coat.weight(cosine))
-    }
-}
 
 /// A diffuse surface that a walk has come to.
 pub(super) struct Met {
@@ -173,10 +131,10 @@ impl<'t, 's> Walker<'t, 's> {
     /// decided by `way`. Multiplies `weight` by the part that goes on from there, per channel, over the
     /// chance of going there.
     #[inline]
-    pub fn follow(&self, hit: &Hit, way: f64, weight: &mut [f64]) -> Place<'t> {
+    pub fn follow(&self, hit: &Hit, way: f64, weight: &mut [f64]) -> Interaction<'t> {
         let mut own = [0.0; 3];
         let reflectance = self.reflectance(hit, &mut own);
-        let place = Place::of(self.tracer, hit);
+        let place = Interaction::of(self.tracer, hit);
         if !self.transmittance.is_empty() {
             let transmittance = &self.transmittance[hit.face as usize * self.channels..][..self.channels];
             let most =
@@ -188,7 +146,7 @@ impl<'t, 's> Walker<'t, 's> {
                 let (part, chance) =
                     if goes_through { (transmittance, chance) } else { (reflectance, 1.0 - chance) };
                 weight.iter_mut().zip(part).for_each(|(w, part)| *w *= part / chance);
-                return if goes_through { Place { normal: -place.normal, ..place } } else { place };
+                return if goes_through { place.across() } else { place };
             }
         }
         weight.iter_mut().zip(reflectance).for_each(|(w, rho)| *w *= rho);
@@ -212,7 +170,7 @@ impl<'t, 's> Walker<'t, 's> {
     #[inline]
     pub fn irradiance(
         &self,
-        mut place: Place<'t>,
+        mut place: Interaction<'t>,
         first: [f64; 2],
         numbers: &mut Numbers,
         weight: &mut [f64],
@@ -256,7 +214,7 @@ impl<'t, 's> Walker<'t, 's> {
                     Beyond::Away { .. } | Beyond::Nowhere => return,
                 }
             } else {
-                let density = Some(place.density(place.normal.dot(outwards)));
+                let density = Some(place.pdf(place.normal.dot(outwards)));
                 Met { hit: first, direction: outwards, density, is_straight: true }
             };
             let hit = met.hit;
@@ -388,7 +346,7 @@ impl<'t, 's> Walker<'t, 's> {
     /// A point on a lamp that is seen from `place`: irradiance per unit of its emission, its face, and where
     /// on it.
     #[inline]
-    fn look_at_light(&self, place: &Place, square: [f64; 2]) -> Option<(f64, u32, [f64; 2])> {
+    fn look_at_light(&self, place: &Interaction, square: [f64; 2]) -> Option<(f64, u32, [f64; 2])> {
         let light = self.lights.sample(square)?;
         let between = light.point - place.point;
         let squared = between.length_squared();
@@ -402,7 +360,7 @@ impl<'t, 's> Walker<'t, 's> {
         }
         let distance = squared.sqrt();
         let by_light = light.density * squared * distance / there;
-        let by_direction = place.density(here / distance);
+        let by_direction = place.pdf(here / distance);
         // cos θ cos θ′ / r², per density of the point.
         let seen = here * there / (squared * squared) / light.density * share(by_light, by_direction);
         let seen = seen * place.weight(here / distance);

@@ -1,15 +1,17 @@
 //! The transport operator K = R F, one bounce of light: R turns what arrives into what leaves, and is diag(ρ)
 //! but for sheets that let light through.
 
+mod solvable;
+
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
+use super::TransportError;
 use super::exchange::{Exchange, Mass};
 use super::form_factors::FormFactors;
 use super::reflection::Reflection;
-use super::{TransportError, solvable};
 use crate::patches::{Basis, Patches, Sheets};
 
 /// What rounding may add to shares that come to 1.

@@ -205,7 +205,7 @@ fn surface(tracer: &Tracer, face: usize, side: Side, place: DVec3) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{cut, quad, room, triangles};
+    use super::super::test_scenes::{cut, quad, room, triangles};
     use super::*;
     use crate::patches::Reach;
     use crate::scene::{Material, Scene};

@@ -350,7 +350,7 @@ fn split_by_surface(corners: &[Corner], place: &mut [u32], found: &mut impl FnMu
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{cut, quad, room, triangles};
+    use super::super::test_scenes::{cut, quad, room, triangles};
     use super::*;
     use crate::patches::Reach;
     use crate::scene::{Face, Material, Scene, SceneParts};

@@ -5,8 +5,8 @@
 
 use glam::DVec3;
 
-use super::reflections::rgb_of;
-use crate::output::to_rgb;
+use super::field::rgb_of;
+use crate::render::tone::to_rgb;
 use crate::scene::Side;
 use crate::trace::{Glossy, Hit, IN_PLANE, LampView, Lamps, Ray, Tracer};
 

@@ -80,7 +80,7 @@ pub fn srgb(x: f64) -> f64 {
 }
 
 /// A linear display value in [0, 1] to an sRGB byte.
-pub(super) fn to_byte(x: f64) -> u8 {
+pub(crate) fn to_byte(x: f64) -> u8 {
     (255.0 * srgb(x) + 0.5) as u8
 }
 
@@ -98,7 +98,7 @@ pub fn to_rgb(channels: &[f64]) -> [f64; 3] {
 }
 
 /// Relative luminance of linear sRGB.
-pub(super) fn luminance([r, g, b]: [f64; 3]) -> f64 {
+pub(crate) fn luminance([r, g, b]: [f64; 3]) -> f64 {
     scene::luminance(&[r, g, b])
 }
 

@@ -23,10 +23,12 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::limiter::limited;
-use super::{OutputError, Picture, to_rgb};
-use crate::measure::PathTracer;
+use super::picture::Picture;
+use super::tone::to_rgb;
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
+use crate::reference::PathTracer;
+use crate::render::RenderError;
 use crate::scene::{Camera, Side, Sky, SkyShares};
 use crate::trace::{Hit, Ray, Tracer};
 use field::Field;
@@ -122,14 +124,14 @@ impl RenderOptions<'_> {
     ///
     /// # Errors
     /// `Size` or `Samples`.
-    pub fn validate(&self) -> Result<(), OutputError> {
+    pub fn validate(&self) -> Result<(), RenderError> {
         let &Self { width, height, .. } = self;
         let fits = [width, height].iter().all(|length| (1..=LONGEST).contains(length));
         if !fits || width * height > LARGEST {
-            return Err(OutputError::Size { width, height });
+            return Err(RenderError::Size { width, height });
         }
         let samples = self.samples;
-        if (1..=MOST_SAMPLES).contains(&samples) { Ok(()) } else { Err(OutputError::Samples { samples }) }
+        if (1..=MOST_SAMPLES).contains(&samples) { Ok(()) } else { Err(RenderError::Samples { samples }) }
     }
 }
 
@@ -154,17 +156,17 @@ const BAND: usize = 1 << 19;
 ///
 /// # Panics
 /// If `radiance` has neither n nor 3n rows.
-pub fn render(
+pub fn picture(
     tracer: &Tracer,
     patches: &Patches,
     radiance: &DMatrix<f64>,
     camera: &Camera,
     options: &RenderOptions,
-) -> Result<Picture, OutputError> {
+) -> Result<Picture, RenderError> {
     let radiance = limited(Basis::of(patches, radiance), radiance);
     options.validate()?;
     if !camera.is_valid() {
-        return Err(OutputError::Camera);
+        return Err(RenderError::Camera);
     }
     options.progress.at("render", 0.0)?;
     let view = View::new(tracer, patches, &radiance, camera, options);
@@ -369,7 +371,7 @@ impl<'a, 's> View<'a, 's> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{cut, quad, room, triangles};
+    use super::super::test_scenes::{cut, quad, room, triangles};
     use super::*;
     use crate::patches::Reach;
     use crate::progress::Observer;
@@ -392,7 +394,7 @@ mod tests {
         let radiance = DMatrix::from_element(patches.len(), 1, 2.0);
         for shading in [Shading::Flat, Shading::Smooth, Shading::Gather] {
             let options = RenderOptions { shading, ..small() };
-            let picture = render(&tracer, &patches, &radiance, &inside(), &options).unwrap();
+            let picture = picture(&tracer, &patches, &radiance, &inside(), &options).unwrap();
             assert!(picture.pixels.iter().flatten().all(|x| (x - 2.0).abs() < 1e-6));
             let bytes = picture.to_srgb(picture.exposure());
             assert!(bytes.iter().all(|&b| b == bytes[0] && (180..230).contains(&b)));
@@ -409,7 +411,7 @@ mod tests {
         let patches = cut(&tracer, 3.0, Reach::Light);
         let camera =
             Camera { position: DVec3::new(0.0, 0.0, 4.0), target: DVec3::ZERO, up: DVec3::Y, fov: 60.0 };
-        let picture = render(&tracer, &patches, &patches.emitted_radiance(), &camera, &small()).unwrap();
+        let picture = picture(&tracer, &patches, &patches.emitted_radiance(), &camera, &small()).unwrap();
         for (k, pixel) in picture.pixels.iter().enumerate() {
             let lit = k % 40 >= 20;
             assert_eq!(*pixel, if lit { [1.0, 2.0, 3.0] } else { [0.0; 3] });
@@ -427,7 +429,7 @@ mod tests {
             let options = RenderOptions { shading, samples: 4, ..small() };
             let with = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                pool.install(|| render(&tracer, &patches, &radiance, &inside(), &options).unwrap())
+                pool.install(|| picture(&tracer, &patches, &radiance, &inside(), &options).unwrap())
             };
             assert_eq!(with(1), with(3));
         }
@@ -457,7 +459,7 @@ mod tests {
         let radiance = DMatrix::from_element(patches.len(), 1, 1.0);
         let options =
             RenderOptions { width: 200, height: 150, outlines: Outlines::Shown, ..Default::default() };
-        let picture = render(&tracer, &patches, &radiance, &inside(), &options).unwrap();
+        let picture = picture(&tracer, &patches, &radiance, &inside(), &options).unwrap();
         let dark = picture.pixels.iter().filter(|p| p[0] < 0.99).count();
         assert!((200..10_000).contains(&dark), "{dark}");
         assert!(picture.pixels.iter().all(|p| p[0] > 0.3));
@@ -476,8 +478,8 @@ mod tests {
         let tracer = Tracer::new(&scene);
         let patches = cut(&tracer, 0.5, Reach::Light);
         let options = RenderOptions { progress: Progress::to(&Stop), ..small() };
-        let stopped = render(&tracer, &patches, &patches.emitted_radiance(), &inside(), &options);
-        assert!(matches!(stopped, Err(OutputError::Cancelled(_))));
+        let stopped = picture(&tracer, &patches, &patches.emitted_radiance(), &inside(), &options);
+        assert!(matches!(stopped, Err(RenderError::Cancelled(_))));
     }
 
     #[test]
@@ -488,11 +490,11 @@ mod tests {
         let sources = patches.emitted_radiance();
         for (width, height) in [(0, 30), (40, 0), (40_000, 1), (usize::MAX, usize::MAX), (32768, 4097)] {
             let options = RenderOptions { width, height, ..small() };
-            let refused = render(&tracer, &patches, &sources, &inside(), &options);
-            assert!(matches!(refused, Err(OutputError::Size { .. })), "{width} x {height}");
+            let refused = picture(&tracer, &patches, &sources, &inside(), &options);
+            assert!(matches!(refused, Err(RenderError::Size { .. })), "{width} x {height}");
         }
         let blind = Camera { fov: 0.0, ..inside() };
-        let refused = render(&tracer, &patches, &sources, &blind, &small());
-        assert!(matches!(refused, Err(OutputError::Camera)));
+        let refused = picture(&tracer, &patches, &sources, &blind, &small());
+        assert!(matches!(refused, Err(RenderError::Camera)));
     }
 }

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
+use super::field::rgb_of;
 use super::highlights::{Highlights, Shine, Views};
-use crate::output::to_rgb;
 use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream};
-use crate::trace::{Hit, Ray, Tint, Tracer};
+use crate::trace::{Hit, Ray, Tracer};
 
 /// Ways that bring less than this part of what is seen are left out, and so are all after so many carriers.
 const LEAST: f64 = 1e-3;
@@ -47,14 +47,6 @@ pub(super) fn seen_along(
             let mut look = Look { tracer, highlights, chances, views, away, radiance };
             Some((hit, look.over_carriers(ray, &hit, Way { part: DVec3::ONE, depth: 0, point: None })))
         }
-    }
-}
-
-/// A tint as red, green and blue.
-pub(super) fn rgb_of(tint: Tint) -> DVec3 {
-    match tint.channels() {
-        3 => to_rgb(&[0, 1, 2].map(|channel| tint.part(channel))).into(),
-        _ => DVec3::splat(tint.mean()),
     }
 }
 

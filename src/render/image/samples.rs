@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::output::LampPart;
+use crate::render::picture::LampPart;
 
 /// Samples of every pixel, and of those that need more.
 pub(super) const FEW: u32 = 4;

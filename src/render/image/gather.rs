@@ -12,14 +12,13 @@ use std::f64::consts::FRAC_1_PI;
 use glam::DVec3;
 use nalgebra::DMatrix;
 
-use super::field::{Elements, Field, rgb_rows};
+use super::field::{Elements, Field, rgb_of, rgb_rows};
 use super::highlights::{Highlights, Views};
-use super::reflections::rgb_of;
-use crate::output::to_rgb;
 use crate::patches::{Barycentrics, Patches};
+use crate::render::tone::to_rgb;
 use crate::scene::Side;
-use crate::trace::sampling::{Sequence, cosine_hemisphere, frame_around};
-use crate::trace::{Coat, Hit, LampView, Lamps, Lights, Ray, Tracer, geometry_term};
+use crate::trace::sampling::Sequence;
+use crate::trace::{Hit, Interaction, LampView, Lamps, Lights, Ray, Tracer};
 
 /// A camera's ray that has met more carriers than this is given up.
 const MOST_CARRIERS: u32 = 256;
@@ -41,26 +40,6 @@ pub(super) struct Gather<'a, 's> {
     emission: Vec<DVec3>,
     /// Emission of each patch, where textures vary it; else none.
     emitted: Option<Vec<DVec3>>,
-}
-
-/// A point of a face's side.
-#[derive(Clone, Copy)]
-struct Place<'t> {
-    face: u32,
-    side: Side,
-    /// Normalised frame.
-    point: DVec3,
-    normal: DVec3,
-    coat: Option<&'t Coat>,
-}
-
-impl Place<'_> {
-    /// cos θ cos θ′ / (π r²) to another place, as a coat lets light in from there.
-    fn geometry_term(&self, there: (DVec3, DVec3)) -> f64 {
-        let g = geometry_term((self.point, self.normal), there);
-        let towards = || (there.0 - self.point).normalize();
-        self.coat.map_or(g, |coat| g * coat.weight(self.normal.dot(towards())))
-    }
 }
 
 impl<'a, 's> Gather<'a, 's> {
@@ -160,7 +139,7 @@ impl<'a, 's> Gather<'a, 's> {
     /// Radiance that leaves where a ray ended, estimated with random numbers for a point of the lamps and a
     /// direction.
     fn radiance(&self, hit: &Hit, numbers: (Sequence, u32), views: &mut Views) -> DVec3 {
-        let place = self.place(hit);
+        let place = Interaction::of(self.tracer, hit);
         let material = self.tracer.scene().faces()[hit.face as usize].material as usize;
         let scene = self.tracer.scene();
         let mut reflectance = self.reflectance[material][usize::from(hit.side == Side::Back)];
@@ -178,8 +157,7 @@ impl<'a, 's> Gather<'a, 's> {
             radiance += reflectance * self.arriving((&place, hit.barycentrics), numbers, views);
         }
         if let Some(transmittance) = self.transmittance[material] {
-            let other = Place { side: place.side.other(), normal: -place.normal, ..place };
-            radiance += transmittance * self.arriving((&other, hit.barycentrics), numbers, views);
+            radiance += transmittance * self.arriving((&place.across(), hit.barycentrics), numbers, views);
         }
         radiance
     }
@@ -187,7 +165,7 @@ impl<'a, 's> Gather<'a, 's> {
     /// H/π at a place.
     fn arriving(
         &self,
-        (place, barycentrics): (&Place, [f64; 2]),
+        (place, barycentrics): (&Interaction, [f64; 2]),
         numbers: (Sequence, u32),
         views: &mut Views,
     ) -> DVec3 {
@@ -200,14 +178,14 @@ impl<'a, 's> Gather<'a, 's> {
     }
 
     /// H₀/π: of lights without area and the sky by way of carriers, as it was solved.
-    fn carried_light(&self, place: &Place, barycentrics: [f64; 2]) -> DVec3 {
+    fn carried_light(&self, place: &Interaction, barycentrics: [f64; 2]) -> DVec3 {
         let patch = self.patches.patch_at(place.face as usize, place.side, barycentrics);
         let field = self.carried.as_ref().zip(patch);
         field.map_or(DVec3::ZERO, |(field, patch)| field.at(patch, barycentrics) * FRAC_1_PI)
     }
 
     /// H₀/π: straight from lights without area and from the sky.
-    fn light_of_lights(&self, place: &Place, random: [f64; 2]) -> DVec3 {
+    fn light_of_lights(&self, place: &Interaction, random: [f64; 2]) -> DVec3 {
         let Some(lights) = &self.lights else { return DVec3::ZERO };
         let channels = self.tracer.scene().channels();
         let (mut irradiance, mut scratch) = (vec![0.0; channels], vec![0.0; channels]);
@@ -219,19 +197,6 @@ impl<'a, 's> Gather<'a, 's> {
             [&mut irradiance, &mut scratch],
         );
         DVec3::from(to_rgb(&irradiance)) * FRAC_1_PI
-    }
-
-    fn place(&self, hit: &Hit) -> Place<'a> {
-        let [a, b, c] = *self.tracer.corners(hit.face as usize);
-        let [u, v] = hit.barycentrics;
-        let point = a + (b - a) * u + (c - a) * v;
-        Place {
-            face: hit.face,
-            side: hit.side,
-            point,
-            normal: self.tracer.normal(hit.face as usize, hit.side),
-            coat: self.tracer.coat_of(hit.face),
-        }
     }
 
     /// Emission as surfaces around see it: where a texture varies it, its mean over the patch.
@@ -248,7 +213,7 @@ impl<'a, 's> Gather<'a, 's> {
     }
 
     /// H/π from a point drawn on the lamps.
-    fn light_of_lamps(&self, place: &Place, view: &LampView, random: [f64; 2]) -> DVec3 {
+    fn light_of_lamps(&self, place: &Interaction, view: &LampView, random: [f64; 2]) -> DVec3 {
         let Some(lamp) = self.lamps.sample(view, random).filter(|lamp| lamp.face != place.face) else {
             return DVec3::ZERO;
         };
@@ -263,13 +228,12 @@ impl<'a, 's> Gather<'a, 's> {
     /// H/π from where a ray lands that is distributed by the cosine, or as a coat lets light in.
     fn light_around(
         &self,
-        place: &Place,
+        place: &Interaction,
         (view, views): (&LampView, &mut Views),
         random: [f64; 2],
         numbers: (Sequence, u32),
     ) -> DVec3 {
-        let direction = place.coat.map_or_else(|| cosine_hemisphere(random), |coat| coat.leaving(random));
-        let direction = frame_around(place.normal) * direction;
+        let direction = place.direction(random);
         let ray = Ray { origin: place.point, direction, from: place.face };
         let Some(hit) = self.tracer.closest_hit(&ray) else { return DVec3::ZERO };
         let solved = |hit: &Hit| {
@@ -292,7 +256,7 @@ impl<'a, 's> Gather<'a, 's> {
             return radiance;
         }
         // Leave to lamp points their share of what the lamp emits, none of what they can't face.
-        let there = self.place(&hit);
+        let there = Interaction::of(self.tracer, &hit);
         let pdf = self.lamps.pdf(view, hit.face as usize);
         let g = place.geometry_term((there.point, there.normal));
         let share = if g > 0.0 { pdf / (pdf + g) } else { 0.0 };
@@ -303,10 +267,10 @@ impl<'a, 's> Gather<'a, 's> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{RenderOptions, Shading, render};
+    use super::super::{RenderOptions, Shading, picture};
     use super::*;
-    use crate::output::tests::{cut, quad, triangles};
     use crate::patches::Reach;
+    use crate::render::test_scenes::{cut, quad, triangles};
     use crate::scene::{Camera, Material};
     use crate::trace::form_factor_to_triangle;
 
@@ -330,7 +294,7 @@ mod tests {
             let shading = Shading::Gather;
             let options =
                 RenderOptions { width: side, height: side, shading, samples, seed, ..Default::default() };
-            render(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap().pixels
+            picture(&tracer, &patches, &patches.emitted_radiance(), &camera, &options).unwrap().pixels
         };
         let at = tracer.frame().from_world(target);
         let form_factor = |f: usize| form_factor_to_triangle(at, DVec3::Y, tracer.corners(f));

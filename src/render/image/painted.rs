@@ -9,8 +9,8 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 
 use super::field::Field;
-use crate::output::to_rgb;
 use crate::patches::{Basis, Patches};
+use crate::render::tone::to_rgb;
 use crate::scene::{Scene, Side};
 use crate::trace::Hit;
 use crate::transport::Reflection;

@@ -8,10 +8,9 @@ use glam::DVec3;
 
 use super::near::near_faces;
 use super::surroundings::Surroundings;
-use super::walk::Place;
 use crate::scene::{Environment, Light, Sky, SkyKind, SkyShares};
 use crate::trace::sampling::{cosine_hemisphere, frame_around};
-use crate::trace::{IN_PLANE, Ray, Tracer};
+use crate::trace::{IN_PLANE, Interaction, Ray, Tracer};
 
 /// All lights without area, and the sky.
 #[derive(Debug)]
@@ -53,7 +52,7 @@ impl Beams {
     pub fn look(
         &self,
         tracer: &Tracer,
-        place: &Place,
+        place: &Interaction,
         [u, v, s, t]: [f64; 4],
         scratch: &mut [f64],
         mut arrives: impl FnMut(f64, &[f64]),
