@@ -5,7 +5,8 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Barycentrics, Patches, Slot};
+use super::cut::Barycentrics;
+use super::{Patches, Slot};
 use crate::scene::Side;
 use crate::trace::{Coat, Interaction, Ray, Tracer, sampling, solid_angle};
 

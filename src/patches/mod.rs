@@ -9,23 +9,10 @@
 //! changes by a step there, and a patch on both sides of the foot of a box would carry light into the box. So
 //! no patch is larger than the size asked for, and some are smaller.
 
-mod aggregate;
-mod basis;
-mod carried;
-mod clusters;
-mod contacts;
-mod cutter;
+mod cut;
 mod facet;
-mod facing;
-mod grid;
-mod groups;
-mod locator;
-mod outlook;
-mod parts;
-mod sheets;
-mod sides;
-mod size;
-mod subdivide;
+mod fields;
+mod reach;
 
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -37,19 +24,19 @@ use rayon::prelude::*;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{FaceTexture, Feature, Scene, Side};
 use crate::trace::{Frame, Tracer};
-pub use aggregate::FaceRow;
-pub use basis::Basis;
-pub use clusters::Clusters;
-pub use cutter::Cutter;
+pub use cut::Barycentrics;
+pub use cut::Cutter;
+use cut::{Cuts, Uncut};
+pub use cut::{Outlook, Stretch};
+use cut::{Parting, Parts};
 pub(crate) use facet::Facet;
-pub use facing::seeing_sides;
-pub use groups::{Group, GroupBy, Groups};
-pub use outlook::{Outlook, Stretch};
-use parts::{Parting, Parts};
-pub use sheets::Sheets;
-pub use sides::Reach;
-pub use subdivide::Barycentrics;
-use subdivide::{Cuts, Uncut};
+pub use fields::Basis;
+pub use fields::Clusters;
+pub use fields::FaceRow;
+pub use fields::Sheets;
+pub use fields::{Group, GroupBy, Groups};
+pub use reach::Reach;
+pub use reach::seeing_sides;
 
 /// How finely to cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -248,7 +235,7 @@ impl<'s> Patches<'s> {
                 let all = patches.slots() as u32;
                 patches.activate_just(slots.iter().copied().filter(|&slot| slot < all));
             }
-            None => patches.reach(tracer, options, sides::LOOK)?,
+            None => patches.reach(tracer, options, reach::LOOK)?,
         }
         Ok(patches)
     }

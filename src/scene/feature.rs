@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{FaceState, Material, Scene, Sheet, SkyKind, Surface, Textures, luminance};
+use super::light::{SkyKind, luminance};
+use super::material::{Sheet, Textures};
+use super::{FaceState, Material, Scene, Surface};
 
 /// Something that a scene can do without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,33 +4,15 @@
 //! may rely on finite vertices, valid indices and physical materials. Read one with [`Scene::load`],
 //! take the built-in [`Scene::cornell_box`], or make one from your own triangles with [`Scene::new`].
 
-mod beside;
-mod builtin;
 mod camera;
-mod colour;
 mod degenerate;
-mod environment;
 mod feature;
-mod glass;
+mod files;
 mod grouped;
-mod ies;
 mod lifted;
 mod light;
-mod light_settings;
 mod material;
-mod mtl;
-mod obj;
-mod photometry;
-mod picture_file;
-mod pixels;
 mod receiver;
-mod settings;
-mod settings_line;
-mod sheet;
-mod sky;
-mod text;
-mod texture;
-mod textured;
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -38,17 +20,17 @@ use std::path::{Path, PathBuf};
 use glam::{DVec2, DVec3};
 
 pub use camera::Camera;
-pub use environment::Environment;
 pub use feature::Feature;
-pub use ies::IntensityTable;
+pub use light::Environment;
+pub use light::IntensityTable;
 pub use light::Light;
+pub use light::{EFFICACY, luminance};
+pub use light::{Sky, SkyKind, SkyShares};
+pub use material::Sheet;
+pub use material::{Beyond, Pixels};
+pub use material::{FaceTexture, Texture, Textures};
 pub use material::{Material, Surface};
-pub use photometry::{EFFICACY, luminance};
-pub use pixels::{Beyond, Pixels};
 pub use receiver::Receiver;
-pub use sheet::Sheet;
-pub use sky::{Sky, SkyKind, SkyShares};
-pub use texture::{FaceTexture, Texture, Textures};
 
 use degenerate::drop_degenerate;
 pub(crate) use lifted::distance_to;
@@ -291,7 +273,7 @@ impl Scene {
     /// # Errors
     /// Those of [`Scene::load`].
     pub fn load_with(path: impl AsRef<Path>, options: Loading) -> Result<Self, SceneError> {
-        obj::load(path.as_ref(), options)
+        files::load(path.as_ref(), options)
     }
 
     /// Reads an OBJ text from a stream; the files it names are looked for in `folder`. There are no settings.
@@ -299,12 +281,12 @@ impl Scene {
     /// # Errors
     /// Those of [`Scene::load`].
     pub fn read(stream: impl Read, folder: impl AsRef<Path>, options: Loading) -> Result<Self, SceneError> {
-        obj::read(stream, folder.as_ref(), options)
+        files::read(stream, folder.as_ref(), options)
     }
 
     /// The Cornell box as measured at Cornell University, built into the library.
     pub fn cornell_box() -> Self {
-        builtin::cornell_box()
+        files::cornell_box()
     }
 
     /// Checks the parts and makes a scene of them.
@@ -351,11 +333,11 @@ impl Scene {
         lift_lights(&mut lights, (&faces, &vertices), &objects, &mut warnings);
         if materials.iter().any(Material::is_textured) {
             texture_coordinates.resize(faces.len(), None);
-            textured::warn_of_missing_coordinates(&faces, &texture_coordinates, &materials, &mut warnings);
+            material::warn_of_missing_coordinates(&faces, &texture_coordinates, &materials, &mut warnings);
         } else {
             texture_coordinates = Vec::new();
         }
-        glass::warn_of_missing_insides(&faces, &vertices, &materials, &mut warnings);
+        material::warn_of_missing_insides(&faces, &vertices, &materials, &mut warnings);
         Ok(Self {
             name,
             vertices,

@@ -11,7 +11,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Tracer, solid_angle};
+use super::Tracer;
+use super::emitters::solid_angle;
 use crate::scene::{FaceState, Side};
 
 /// How far behind a plane a corner may lie for rounding, in normalised lengths.

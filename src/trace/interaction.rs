@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::sampling::{cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
-use super::{Coat, Hit, Tracer, geometry_term};
+use super::scattering::Coat;
+use super::{Hit, Tracer, geometry_term};
 use crate::scene::Side;
 
 /// A point on a side of a face, where light arrives.

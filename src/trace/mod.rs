@@ -8,23 +8,14 @@
 //! the cube [-1, 1]³, so that neither its size nor its place can matter. [`Frame`] converts.
 
 mod bvh;
-mod coat;
 mod convex;
-mod environment;
+mod emitters;
 mod facing;
-mod fresnel;
-mod gloss;
 mod interaction;
 mod lambert;
-mod lamps;
 mod layers;
-mod lights;
-mod media;
 pub mod sampling;
-mod scatter;
-mod shots;
-mod sky;
-mod tint;
+mod scattering;
 mod triangle;
 
 use std::sync::Arc;
@@ -33,22 +24,21 @@ use glam::DVec3;
 
 use crate::scene::{FaceState, Scene, Side, Surface};
 use bvh::Bvh;
-pub use coat::Coat;
 pub use convex::{Enclosure, NotConvex};
+pub use emitters::{Beam, Lights, solid_angle};
+pub use emitters::{LampPoint, LampView, Lamps};
+pub use emitters::{Shot, SkyShot, Targets};
+pub use emitters::{SkyBeam, SkySampler};
 pub use facing::{IN_PLANE, can_face};
-pub use fresnel::fresnel;
-use gloss::Gloss;
 pub(crate) use interaction::Interaction;
 pub use lambert::{form_factor_between, form_factor_to_triangle, geometry_term};
-pub use lamps::{LampPoint, LampView, Lamps};
 use layers::Layers;
 pub use layers::{Overlap, OverlapKind};
-pub use lights::{Beam, Lights, solid_angle};
-use media::Media;
-pub use scatter::{Destination, Glossy, Scattered};
-pub use shots::{Shot, SkyShot, Targets};
-pub use sky::{SkyBeam, SkySampler};
-pub use tint::Tint;
+pub use scattering::Coat;
+pub use scattering::Tint;
+pub use scattering::fresnel;
+pub use scattering::{Destination, Glossy, Scattered};
+use scattering::{Gloss, Media};
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.
 ///

@@ -17,10 +17,9 @@ use radiosity::transport::Keep;
 
 use crate::args::{RunArgs, SceneArgs, SolverArgs};
 use crate::factors::FactorsArgs;
-use crate::picture;
 use crate::terminal::{Failure, Terminal};
-use crate::values;
 use crate::verdict::{self, StrictArgs};
+use crate::{picture, values};
 
 /// Compare the direct solution and every order of the series with a path-traced reference
 ///

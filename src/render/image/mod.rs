@@ -22,13 +22,13 @@ use glam::{DVec2, DVec3};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use super::RenderError;
 use super::limiter::limited;
 use super::picture::Picture;
 use super::tone::to_rgb;
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::reference::PathTracer;
-use crate::render::RenderError;
 use crate::scene::{Camera, Side, Sky, SkyShares};
 use crate::trace::{Hit, Ray, Tracer};
 use field::Field;

@@ -1,0 +1,14 @@
+//! Files: Wavefront OBJ and MTL, the settings beside them, and pictures.
+
+mod beside;
+mod builtin;
+mod colour;
+mod light_settings;
+mod mtl;
+mod obj;
+mod picture_file;
+mod settings;
+mod settings_line;
+mod text;
+pub(super) use builtin::cornell_box;
+pub(super) use obj::{load, read};

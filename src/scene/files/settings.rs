@@ -1,0 +1,244 @@
+//! Settings: the optional `.toml` beside an OBJ file, for what OBJ cannot say.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glam::DVec3;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::beside::Beside;
+use super::colour::Colour;
+use super::light_settings::{LightSettings, SkySettings};
+use super::settings_line::line_of;
+use crate::scene::light::EFFICACY;
+use crate::scene::material::Sheet;
+use crate::scene::{Camera, FARTHEST, LARGEST, Material, Receiver, SceneError, SceneParts, Surface, is_near};
+
+/// The content of a scene's `.toml`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Settings {
+    /// Metres per unit of length of the OBJ file and of the camera, or the unit's name; 1 if not given.
+    unit: Option<Spanned<Unit>>,
+    camera: Option<Spanned<CameraSettings>>,
+    /// What to change of the MTL file's materials, by name.
+    #[serde(default)]
+    material: BTreeMap<String, Spanned<MaterialSettings>>,
+    /// Lights without area.
+    #[serde(default)]
+    light: Vec<Spanned<LightSettings>>,
+    sky: Option<Spanned<SkySettings>>,
+    /// Where to measure light beside the faces.
+    #[serde(default)]
+    receiver: Vec<Spanned<ReceiverSettings>>,
+    /// Lumens per watt; 683 if not given.
+    efficacy: Option<Spanned<f64>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CameraSettings {
+    position: [f64; 3],
+    target: [f64; 3],
+    #[serde(default = "y_up")]
+    up: [f64; 3],
+    #[serde(default = "normal_lens")]
+    fov: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ReceiverSettings {
+    name: String,
+    corner: [f64; 3],
+    edges: [[f64; 3]; 2],
+    points: [usize; 2],
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MaterialSettings {
+    reflectance: Option<Colour>,
+    /// Of the back; as of the front if not given.
+    reflectance_back: Option<Colour>,
+    /// What comes through, diffusely; nothing if not given.
+    transmittance: Option<Colour>,
+    emission: Option<Colour>,
+    /// Of rough conductors and plastic, 0 to 1.
+    roughness: Option<f64>,
+    /// Whether glass is a sheet, and not the surface of a solid.
+    #[serde(default)]
+    thin: bool,
+}
+
+/// A unit of length.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "a unit is the number of metres in it, or one of m, dm, cm, mm, km, inch, ft")]
+enum Unit {
+    Metres(f64),
+    Named(Length),
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Length {
+    #[serde(alias = "metre", alias = "metres", alias = "meter", alias = "meters")]
+    M,
+    Dm,
+    Cm,
+    #[serde(alias = "millimetres", alias = "millimeters")]
+    Mm,
+    Km,
+    #[serde(alias = "in", alias = "inches")]
+    Inch,
+    #[serde(alias = "foot", alias = "feet")]
+    Ft,
+}
+
+impl Unit {
+    fn metres(&self) -> f64 {
+        match self {
+            Self::Metres(metres) => *metres,
+            Self::Named(Length::M) => 1.0,
+            Self::Named(Length::Dm) => 0.1,
+            Self::Named(Length::Cm) => 0.01,
+            Self::Named(Length::Mm) => 0.001,
+            Self::Named(Length::Km) => 1000.0,
+            Self::Named(Length::Inch) => 0.0254,
+            Self::Named(Length::Ft) => 0.3048,
+        }
+    }
+}
+
+pub(crate) fn y_up() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+fn normal_lens() -> f64 {
+    45.0
+}
+
+/// Changes the parts of a scene as the settings say; `path` is for messages.
+pub(crate) fn apply(
+    path: &Path,
+    text: &str,
+    beside: &Beside,
+    parts: &mut SceneParts,
+) -> Result<(), SceneError> {
+    let read = |text: &str| toml::from_str::<Settings>(text);
+    let error = |start: usize, message: String| {
+        let refusal = |text: &str| read(text).err().map(|e| e.message().to_owned());
+        let line = line_of(text, start, &message, refusal);
+        SceneError::Parse { path: path.to_path_buf(), line, message }
+    };
+    let settings =
+        read(text).map_err(|e| error(e.span().map_or(0, |span| span.start), e.message().to_owned()))?;
+    let unit = settings.unit.as_ref().map_or(1.0, |unit| unit.get_ref().metres());
+    parts.vertices.iter_mut().for_each(|vertex| *vertex *= unit);
+    if let Some(given) = settings.unit {
+        let wrong = |message: String| error(given.span().start, format!("unit = {unit}: {message}"));
+        if !(unit.is_finite() && unit > 0.0) {
+            return Err(wrong("metres per unit must be positive".into()));
+        }
+        if parts.vertices.iter().any(|vertex| !is_near(*vertex)) {
+            return Err(wrong(format!("it makes coordinates of more than {FARTHEST:e} m")));
+        }
+    }
+    if let Some(given) = settings.camera {
+        let CameraSettings { position, target, up, fov } = *given.get_ref();
+        let [position, target] = [position, target].map(|point| DVec3::from(point) * unit);
+        let camera = Camera { position, target, up: up.into(), fov };
+        if !camera.is_valid() {
+            return Err(error(given.span().start, SceneError::Camera.to_string()));
+        }
+        parts.camera = Some(camera);
+    }
+    for (name, given) in settings.material {
+        let wrong = |message: String| error(given.span().start, format!("material {name}: {message}"));
+        let Some(material) = parts.materials.iter_mut().find(|m| m.name == name) else {
+            let known: Vec<&str> = parts.materials.iter().take(20).map(|m| m.name.as_str()).collect();
+            return Err(wrong(format!(
+                "no face or library has it; remove it or correct its name; there are {}",
+                known.join(", ")
+            )));
+        };
+        let MaterialSettings { reflectance, emission, roughness, thin, .. } = given.get_ref();
+        if let Some(reflectance) = reflectance {
+            match &mut material.surface {
+                Surface::Mirror { reflectance: mirrored } => *mirrored = reflectance.channels(),
+                Surface::Conductor { reflectance: reflected, .. } => *reflected = reflectance.channels(),
+                _ => material.reflectance = reflectance.channels(),
+            }
+        }
+        if *thin {
+            let Surface::Dielectric { index, filter } = &material.surface else {
+                let message =
+                    "only glass is thin; make it glass by `illum 4` in the MTL file, or remove `thin`";
+                return Err(wrong(message.into()));
+            };
+            // Light crosses both of its surfaces.
+            let filter = filter.iter().map(|part| part * part).collect();
+            material.surface = Surface::Pane { index: *index, filter };
+        }
+        if let Some(given) = roughness {
+            let (Surface::Conductor { roughness, .. } | Surface::Plastic { roughness, .. }) =
+                &mut material.surface
+            else {
+                let message = "only metals and plastic have a roughness; make it metal by `Pm 1` or plastic by `Pr` in the MTL file, \
+                               or remove it";
+                return Err(wrong(message.into()));
+            };
+            *roughness = *given;
+        }
+        if let Some(emission) = emission {
+            material.emission = emission.channels();
+        }
+        make_sheet(material, given.get_ref(), &mut parts.warnings);
+        material.check().map_err(wrong)?;
+    }
+    let efficacy = settings.efficacy.as_ref().map_or(EFFICACY, |efficacy| *efficacy.get_ref());
+    if let Some(given) = settings.efficacy.filter(|_| !(efficacy > 0.0 && efficacy <= LARGEST)) {
+        let message = format!("efficacy = {efficacy}: lumens per watt must be positive, up to {LARGEST:e}");
+        return Err(error(given.span().start, message));
+    }
+    parts.efficacy = Some(efficacy);
+    let up = parts.camera.map_or(DVec3::Y, |camera| camera.up.normalize_or(DVec3::Y));
+    for given in &settings.light {
+        let light = given.get_ref().light((unit, efficacy), up, beside, &mut parts.warnings);
+        parts.lights.push(light.map_err(|message| error(given.span().start, format!("light: {message}")))?);
+    }
+    for given in &settings.receiver {
+        let ReceiverSettings { name, corner, edges, points } = given.get_ref();
+        let [corner, a, b] = [*corner, edges[0], edges[1]].map(|v| DVec3::from(v) * unit);
+        let receiver = Receiver { name: name.clone(), corner, edges: [a, b], counts: *points };
+        let wrong = |message| error(given.span().start, format!("receiver {name}: {message}"));
+        receiver.check().map_err(wrong)?;
+        parts.receivers.push(receiver);
+    }
+    if let Some(given) = &settings.sky {
+        let sky = given.get_ref().sky(efficacy, beside, &mut parts.warnings);
+        parts.sky = Some(sky.map_err(|message| error(given.span().start, format!("sky: {message}")))?);
+    }
+    Ok(())
+}
+
+/// Gives a material a back and a transmittance of its own, where the settings do.
+fn make_sheet(material: &mut Material, settings: &MaterialSettings, warnings: &mut Vec<String>) {
+    let MaterialSettings { reflectance_back, transmittance, .. } = settings;
+    if reflectance_back.is_none() && transmittance.is_none() {
+        return;
+    }
+    if matches!(material.surface, Surface::Plastic { .. }) {
+        warnings.push(format!(
+            "material {}: sheets are matt; its gloss (Pr, Pm or illum 5) is left out",
+            material.name
+        ));
+        material.surface = Surface::Diffuse;
+    }
+    let given = |colour: &Option<Colour>| colour.as_ref().map(Colour::channels);
+    material.sheet = Some(Sheet {
+        reflectance_back: given(reflectance_back).unwrap_or_else(|| material.reflectance.clone()),
+        transmittance: given(transmittance).unwrap_or_else(|| vec![0.0; material.reflectance.len()]),
+    });
+}

@@ -1,0 +1,332 @@
+//! Lamps: where to look for light, seen from a given place.
+//!
+//! Points are drawn on the brightest emitting faces, each face chosen by what it would contribute if nothing
+//! stood in between, and the point uniform on it. What they would contribute in all is known exactly, by
+//! Lambert's formula.
+
+use std::f64::consts::FRAC_1_PI;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::scene::{FaceState, Side};
+use crate::trace::sampling::uniform_triangle;
+use crate::trace::{Tracer, can_face, form_factor_between, form_factor_to_triangle};
+
+/// Lamps are the brightest faces that together give this share of the emitted power...
+const POWER_SHARE: f64 = 0.95;
+
+/// ...unless they cover more than this share of all surfaces: then rays find them well enough.
+const MOST_AREA: f64 = 0.25;
+
+/// With more lamp faces than this, what those would contribute that are not near is estimated and not
+/// integrated...
+const MOST_EXACT: usize = 256;
+
+/// ...and with more than this, chances go by power alone.
+const MOST_PLACED: usize = 2000;
+
+/// What is nearer to a surface than so many times its radius can't be told from its centre.
+const NEAR: f64 = 3.0;
+
+/// The faces that give most of a scene's light.
+#[derive(Clone, Debug)]
+pub struct Lamps {
+    faces: Vec<LampFace>,
+    /// Per face of the scene: its place in `faces`, or `NONE`.
+    lamp_of_face: Vec<u32>,
+    /// Cumulative chances by power alone.
+    by_power: Arc<[f64]>,
+}
+
+const NONE: u32 = u32::MAX;
+
+#[derive(Clone, Debug)]
+struct LampFace {
+    face: u32,
+    corners: [DVec3; 3],
+    normal: DVec3,
+    area: f64,
+    /// Emitted radiance, averaged over channels and the face.
+    brightness: f64,
+}
+
+/// The lamps as a small surface sees them.
+#[derive(Clone, Debug, Default)]
+pub struct LampView {
+    /// How likely each lamp is to be drawn: cumulative, ending with 1; all zero where no lamp is above the
+    /// horizon.
+    chances: Arc<[f64]>,
+    /// What lamps would contribute if nothing stood in between: Σ F·Lₑ over lamps with brightness Lₑ; where
+    /// it is known.
+    pub unoccluded: Option<f64>,
+}
+
+/// A point on a lamp.
+#[derive(Clone, Copy, Debug)]
+pub struct LampPoint {
+    /// The face it lies on.
+    pub face: u32,
+    /// Where, normalised frame.
+    pub point: DVec3,
+    /// Where, as weights of the face's second and third corner.
+    pub barycentrics: [f64; 2],
+    /// The face's normal.
+    pub normal: DVec3,
+    /// Density with which it was drawn, per unit of normalised area.
+    pub pdf: f64,
+    /// The face's brightness: emitted radiance averaged over channels.
+    pub brightness: f64,
+}
+
+impl Lamps {
+    /// Chooses the lamps of a scene; there may be none.
+    pub fn new(tracer: &Tracer) -> Self {
+        let scene = tracer.scene();
+        let kept = |f: &u32| scene.faces()[*f as usize].state == FaceState::Kept;
+        let total_area: f64 = (0..scene.faces().len() as u32).filter(kept).map(|f| area(tracer, f)).sum();
+        let mut faces = emitting(tracer);
+        // Keep the brightest, and equally bright ones with them.
+        faces.sort_by(|a, b| b.brightness.total_cmp(&a.brightness));
+        let total_power: f64 = faces.iter().map(|l| l.brightness * l.area).sum();
+        let mut power = 0.0;
+        let mut last = f64::INFINITY;
+        faces.retain(|l| {
+            let keep = power < POWER_SHARE * total_power || l.brightness == last;
+            power += l.brightness * l.area;
+            last = if keep { l.brightness } else { last };
+            keep
+        });
+        if faces.iter().map(|l| l.area).sum::<f64>() > MOST_AREA * total_area {
+            faces.clear();
+        }
+        faces.sort_by_key(|l| l.face);
+        Self::of(tracer, faces)
+    }
+
+    /// Every face that emits, however dim or large, for where there are no rays to find the rest.
+    pub fn all(tracer: &Tracer) -> Self {
+        Self::of(tracer, emitting(tracer))
+    }
+
+    fn of(tracer: &Tracer, faces: Vec<LampFace>) -> Self {
+        let mut lamp_of_face = vec![NONE; tracer.scene().faces().len()];
+        for (k, lamp) in faces.iter().enumerate() {
+            lamp_of_face[lamp.face as usize] = k as u32;
+        }
+        let by_power = accumulate(faces.iter().map(|l| l.brightness * l.area));
+        Self { faces, lamp_of_face, by_power }
+    }
+
+    /// The lamps of a scene; none where no rays are to be sent to them.
+    pub fn of_interest(tracer: &Tracer, rays: u32) -> Self {
+        if rays > 0 { Self::new(tracer) } else { Self::none(tracer) }
+    }
+
+    fn none(tracer: &Tracer) -> Self {
+        let lamp_of_face = vec![NONE; tracer.scene().faces().len()];
+        Self { faces: Vec::new(), lamp_of_face, by_power: Arc::default() }
+    }
+
+    /// The lamps' face numbers, ascending.
+    pub fn faces(&self) -> impl Iterator<Item = u32> {
+        self.faces.iter().map(|lamp| lamp.face)
+    }
+
+    /// Number of lamp faces.
+    pub fn len(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.faces.is_empty()
+    }
+
+    /// Whether a face's side is a lamp.
+    #[inline]
+    pub fn contains(&self, face: usize, side: Side) -> bool {
+        side == Side::Front && self.lamp_of_face[face] != NONE
+    }
+
+    /// How lamps look from a point of a flat surface with these corners and this normal.
+    pub fn view_from(&self, point: DVec3, (corners, normal): (&[DVec3], DVec3)) -> LampView {
+        let from_here = |lamp: &LampFace| form_factor_to_triangle(point, normal, &lamp.corners);
+        self.view(point, (corners, normal), from_here)
+    }
+
+    /// How lamps look from a triangle with this normal, on average.
+    pub fn view_over(&self, corners: &[DVec3; 3], normal: DVec3) -> LampView {
+        let centre = corners.iter().sum::<DVec3>() / 3.0;
+        let from_all = |lamp: &LampFace| form_factor_between((corners, normal), (&lamp.corners, lamp.normal));
+        self.view(centre, (corners, normal), from_all)
+    }
+
+    fn view(
+        &self,
+        centre: DVec3,
+        (corners, normal): (&[DVec3], DVec3),
+        form_factor: impl Fn(&LampFace) -> f64,
+    ) -> LampView {
+        if self.faces.len() > MOST_PLACED {
+            return LampView { chances: self.by_power.clone(), unoccluded: None };
+        }
+        let faces = |lamp: &LampFace| can_face((corners, normal), (&lamp.corners, lamp.normal));
+        let is_exact = self.faces.len() <= MOST_EXACT;
+        let reach = NEAR * corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
+        let is_near = |lamp: &LampFace| lamp.corners.iter().any(|corner| corner.distance(centre) < reach);
+        let mut unoccluded = 0.0;
+        let chances = accumulate(self.faces.iter().map(|lamp| {
+            if !faces(lamp) {
+                return 0.0;
+            }
+            let estimate = lamp.estimate(centre, normal);
+            if !is_exact && !is_near(lamp) {
+                return estimate;
+            }
+            let contribution = lamp.brightness * form_factor(lamp);
+            unoccluded += contribution;
+            // Leave some chance to what other points of the surface may see.
+            contribution + 0.05 * estimate
+        }));
+        LampView { chances, unoccluded: is_exact.then_some(unoccluded) }
+    }
+
+    /// A point drawn on a lamp; none where no lamp is above the horizon.
+    #[inline]
+    pub fn sample(
+        &self,
+        LampView { chances: cumulative, .. }: &LampView,
+        [u, v]: [f64; 2],
+    ) -> Option<LampPoint> {
+        if cumulative.last().is_none_or(|&total| total == 0.0) {
+            return None;
+        }
+        let k = cumulative.partition_point(|&upper| upper <= u).min(self.faces.len() - 1);
+        let (lower, upper) = bounds(cumulative, k);
+        let lamp = &self.faces[k];
+        let [a, b, c] = lamp.corners;
+        let barycentrics = uniform_triangle([((u - lower) / (upper - lower)).clamp(0.0, 1.0), v]);
+        Some(LampPoint {
+            face: lamp.face,
+            point: a + (b - a) * barycentrics[0] + (c - a) * barycentrics[1],
+            barycentrics,
+            normal: lamp.normal,
+            pdf: (upper - lower) / lamp.area,
+            brightness: lamp.brightness,
+        })
+    }
+
+    /// Density with which [`Lamps::sample`] draws a point of a face, per unit of normalised area; 0 if the
+    /// face is no lamp.
+    #[inline]
+    pub fn pdf(&self, LampView { chances: cumulative, .. }: &LampView, face: usize) -> f64 {
+        match self.lamp_of_face[face] {
+            NONE => 0.0,
+            k => {
+                let (lower, upper) = bounds(cumulative, k as usize);
+                (upper - lower) / self.faces[k as usize].area
+            }
+        }
+    }
+}
+
+/// All faces that emit, by number.
+fn emitting(tracer: &Tracer) -> Vec<LampFace> {
+    let scene = tracer.scene();
+    let emits = |&f: &u32| {
+        scene.faces()[f as usize].state == FaceState::Kept && scene.material_of(f as usize).emits()
+    };
+    let lamp = |face: u32| {
+        let emission = scene.mean_emission(face as usize);
+        LampFace {
+            face,
+            corners: *tracer.corners(face as usize),
+            normal: tracer.normal(face as usize, Side::Front),
+            area: area(tracer, face),
+            brightness: emission.iter().sum::<f64>() / emission.len() as f64,
+        }
+    };
+    (0..scene.faces().len() as u32).filter(emits).map(lamp).collect()
+}
+
+fn area(tracer: &Tracer, face: u32) -> f64 {
+    let [a, b, c] = tracer.corners(face as usize);
+    0.5 * (b - a).cross(c - a).length()
+}
+
+impl LampFace {
+    /// What the face may contribute at a point with a normal, roughly, and more rather than less.
+    fn estimate(&self, point: DVec3, normal: DVec3) -> f64 {
+        // A surface's parts see a little below its centre's horizon, and a lamp's parts see a little beside
+        // it.
+        const MARGIN: f64 = 0.05;
+        let [a, b, c] = self.corners;
+        let looks = [a, b, c, (a + b + c) / 3.0].map(|q| {
+            let to_lamp = q - point;
+            // Near the lamp what counts is its size.
+            let squared = to_lamp.length_squared() + 0.1 * self.area;
+            let distance = squared.sqrt();
+            let here = (normal.dot(to_lamp) / distance + MARGIN).max(0.0);
+            let there = (MARGIN - self.normal.dot(to_lamp) / distance).max(0.0);
+            here * there / squared
+        });
+        self.brightness * self.area * FRAC_1_PI * 0.25 * looks.iter().sum::<f64>()
+    }
+}
+
+fn bounds(cumulative: &[f64], k: usize) -> (f64, f64) {
+    (if k == 0 { 0.0 } else { cumulative[k - 1] }, cumulative[k])
+}
+
+/// Running sums, scaled to end with 1; all zero if there is nothing to sum.
+fn accumulate(weights: impl Iterator<Item = f64>) -> Arc<[f64]> {
+    let mut total = 0.0;
+    let mut sums: Vec<f64> = weights
+        .map(|w| {
+            total += w;
+            total
+        })
+        .collect();
+    if total > 0.0 {
+        sums.iter_mut().for_each(|s| *s /= total);
+    }
+    sums.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use crate::trace::geometry_term;
+    use crate::trace::sampling::Stream;
+
+    #[test]
+    fn points_are_drawn_with_their_density() {
+        let scene = Scene::cornell_box();
+        let tracer = Tracer::new(&scene);
+        let lamps = Lamps::new(&tracer);
+        for (p, normal) in [(DVec3::new(0.3, -0.9, 0.2), DVec3::Y), (DVec3::new(-0.9, 0.7, 0.1), DVec3::X)] {
+            let view = lamps.view_from(p, (&[p], normal));
+            let n = 1 << 14;
+            let sampled: f64 = (0..n)
+                .map(|k| {
+                    let [u, v, ..] = Stream::Callers.sequence(5, 0, 0).point(k);
+                    let drawn = lamps.sample(&view, [u, v]).unwrap();
+                    assert_eq!(lamps.pdf(&view, drawn.face as usize), drawn.pdf);
+                    let g = geometry_term((p, normal), (drawn.point, drawn.normal));
+                    drawn.brightness * g / drawn.pdf / n as f64
+                })
+                .sum();
+            let exact = view.unoccluded.unwrap();
+            assert!((sampled / exact - 1.0).abs() < 2e-3, "{sampled} {exact}");
+        }
+    }
+
+    #[test]
+    fn where_everything_emits_nothing_is_a_lamp() {
+        let folder = env!("CARGO_MANIFEST_DIR");
+        let scene = Scene::load(format!("{folder}/meshes/furnace_cube.obj")).unwrap();
+        assert!(Lamps::new(&Tracer::new(&scene)).is_empty());
+    }
+}

@@ -1,0 +1,13 @@
+//! Emitters: lamps, lights without area and the sky, how they are sampled, and how they shoot at what passes
+//! light on.
+
+mod environment;
+mod lamps;
+mod lights;
+mod shots;
+mod sky;
+
+pub use lamps::{LampPoint, LampView, Lamps};
+pub use lights::{Beam, Lights, solid_angle};
+pub use shots::{Shot, SkyShot, Targets};
+pub use sky::{SkyBeam, SkySampler};

@@ -1,0 +1,225 @@
+//! Sky sampler: directions in which a sky is bright and a surface looks, beside their density.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use super::environment::EnvironmentSampler;
+use crate::scene::{Environment, Sky, SkyKind, SkyShares};
+use crate::trace::sampling::{cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
+
+/// Cells of equal solid angle by which brightness is known: rings from zenith to nadir, and parts of each.
+const RINGS: usize = 64;
+const PARTS: usize = 64;
+
+/// Draws directions into a sky.
+#[derive(Clone, Debug)]
+pub struct SkySampler {
+    shares: SkyShares,
+    zenith: Vec<f64>,
+    /// From the sky's frame, whose third axis is up.
+    frame: DMat3,
+    /// Cumulative chances of the cells; empty where all directions are alike.
+    chances: Vec<f64>,
+    /// What draws directions of an environment.
+    environment: Option<(Arc<Environment>, EnvironmentSampler)>,
+}
+
+/// A direction into the sky.
+#[derive(Clone, Copy, Debug)]
+pub struct SkyBeam {
+    /// A unit vector.
+    pub direction: DVec3,
+    /// Share of the zenith's radiance · cos θ / density of the direction.
+    pub weight: f64,
+    /// By what the zenith's red, green and blue are to be multiplied too, where they differ; a single channel
+    /// takes the first.
+    pub tint: Option<[f64; 3]>,
+}
+
+impl SkyBeam {
+    /// By what the zenith's radiance is to be multiplied in a channel.
+    #[inline]
+    pub fn tint(&self, channel: usize) -> f64 {
+        self.tint.map_or(1.0, |tint| tint[channel])
+    }
+}
+
+impl SkySampler {
+    /// Makes a sampler for a sky.
+    pub fn new(sky: &Sky) -> Self {
+        let shares = sky.shares();
+        let frame = frame_around(sky.up);
+        let mut total = 0.0;
+        let mut chances: Vec<f64> = match sky.kind {
+            SkyKind::Constant | SkyKind::Environment(_) => Vec::new(),
+            _ => (0..RINGS * PARTS)
+                .map(|cell| {
+                    total += shares.from(frame * in_cell(cell, [0.5; 2]));
+                    total
+                })
+                .collect(),
+        };
+        chances.iter_mut().for_each(|chance| *chance /= total);
+        let environment = match &sky.kind {
+            SkyKind::Environment(environment) => {
+                Some((environment.clone(), EnvironmentSampler::new(environment)))
+            }
+            _ => None,
+        };
+        Self { shares, zenith: sky.zenith.clone(), frame, chances, environment }
+    }
+
+    /// Radiance of the zenith per channel, by which shares are multiplied.
+    pub fn zenith(&self) -> &[f64] {
+        &self.zenith
+    }
+
+    /// Radiance that comes from a direction, as a share of the zenith's.
+    pub fn share_from(&self, towards: DVec3) -> f64 {
+        self.shares.from(towards)
+    }
+
+    /// What comes from a direction: its share of the zenith's radiance and its tint, as a beam of this
+    /// weight.
+    #[inline]
+    pub fn from(&self, direction: DVec3) -> SkyBeam {
+        let (weight, tint) = self.shares.tinted(direction);
+        SkyBeam { direction, weight, tint }
+    }
+
+    /// A direction above a surface with this normal, and what it brings where nothing hides it.
+    ///
+    /// One half of the directions is drawn by the cosine, the other by the sky's brightness; the density is
+    /// the mean of both.
+    #[inline]
+    pub fn sample(&self, normal: DVec3, [u, v]: [f64; 2]) -> SkyBeam {
+        let direction = if self.is_even() {
+            frame_around(normal) * cosine_hemisphere([u, v])
+        } else if u < 0.5 {
+            frame_around(normal) * cosine_hemisphere([2.0 * u, v])
+        } else {
+            self.by_brightness([2.0 * u - 1.0, v])
+        };
+        let cosine = normal.dot(direction);
+        if cosine <= 0.0 {
+            return SkyBeam { direction, weight: 0.0, tint: None };
+        }
+        let (share, tint) = self.shares.tinted(direction);
+        SkyBeam { direction, weight: share * cosine / self.pdf(normal, direction), tint }
+    }
+
+    /// Whether its beams have tints: directions differ in colour.
+    pub fn is_tinted(&self) -> bool {
+        self.environment.is_some()
+    }
+
+    /// Whether all directions are alike.
+    fn is_even(&self) -> bool {
+        self.chances.is_empty() && self.environment.is_none()
+    }
+
+    /// Density of [`SkySampler::sample`], per unit of solid angle.
+    #[inline]
+    pub fn pdf(&self, normal: DVec3, direction: DVec3) -> f64 {
+        let by_cosine = cosine_hemisphere_pdf(normal.dot(direction));
+        if self.is_even() { by_cosine } else { 0.5 * (by_cosine + self.brightness_pdf(direction)) }
+    }
+
+    fn by_brightness(&self, [u, v]: [f64; 2]) -> DVec3 {
+        if let Some((environment, sampler)) = &self.environment {
+            return sampler.sample(environment, [u, v]);
+        }
+        let cell = self.chances.partition_point(|&upper| upper <= u).min(self.chances.len() - 1);
+        let (lower, chance) = self.chance(cell);
+        // What is left of u within the cell's share is as good as new.
+        let fresh = ((u - lower) / chance).clamp(0.0, 1.0);
+        self.frame * in_cell(cell, [fresh, v])
+    }
+
+    fn brightness_pdf(&self, direction: DVec3) -> f64 {
+        if let Some((environment, sampler)) = &self.environment {
+            return sampler.pdf(environment, direction);
+        }
+        let local = self.frame.transpose() * direction;
+        let place = |x: f64, count: usize| ((x * count as f64) as usize).min(count - 1);
+        let ring = place(0.5 * (1.0 - local.z), RINGS);
+        let part = place(0.5 + local.y.atan2(local.x) / TAU, PARTS);
+        self.chance(ring * PARTS + part).1 * (RINGS * PARTS) as f64 / (4.0 * PI)
+    }
+
+    /// Where a cell's share of all chances begins, and how large it is.
+    fn chance(&self, cell: usize) -> (f64, f64) {
+        let lower = if cell == 0 { 0.0 } else { self.chances[cell - 1] };
+        (lower, self.chances[cell] - lower)
+    }
+}
+
+/// A direction within a cell, uniform in solid angle; the third axis is up.
+fn in_cell(cell: usize, [u, v]: [f64; 2]) -> DVec3 {
+    let height = 1.0 - 2.0 * ((cell / PARTS) as f64 + v) / RINGS as f64;
+    let angle = (((cell % PARTS) as f64 + u) / PARTS as f64 - 0.5) * TAU;
+    let radius = (1.0 - height * height).max(0.0).sqrt();
+    DVec3::new(radius * angle.cos(), radius * angle.sin(), height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::sampling::Stream;
+
+    fn skies() -> [SkySampler; 3] {
+        let sun = DVec3::new(0.5, 0.4, 0.1).normalize();
+        [SkyKind::Constant, SkyKind::Overcast, SkyKind::Clear { sun }]
+            .map(|kind| SkySampler::new(&Sky { kind, up: DVec3::Y, zenith: vec![1.0], ground: 0.2 }))
+    }
+
+    #[test]
+    fn directions_are_drawn_with_their_density() {
+        let normal = DVec3::new(0.6, 0.3, -0.2).normalize();
+        for sky in skies() {
+            let n = 1 << 15;
+            let mut drawn = [0.0; 4];
+            for k in 0..n {
+                let [u, v, ..] = Stream::Callers.sequence(4, 1, 0).point(k);
+                let SkyBeam { direction: d, weight, .. } = sky.sample(normal, [u, v]);
+                let tests = [1.0, d.x, d.y * d.y, d.z];
+                drawn.iter_mut().zip(tests).for_each(|(sum, f)| *sum += f * weight / f64::from(n));
+            }
+            // The same integrals of share · cos θ by the midpoint rule.
+            let steps = 400;
+            let mut integral = [0.0; 4];
+            for (i, j) in (0..steps).flat_map(|i| (0..steps).map(move |j| (i, j))) {
+                let height = (i as f64 + 0.5) / steps as f64;
+                let angle = (j as f64 + 0.5) / steps as f64 * TAU;
+                let radius = (1.0 - height * height).sqrt();
+                let d = frame_around(normal) * DVec3::new(radius * angle.cos(), radius * angle.sin(), height);
+                let value = sky.share_from(d) * height * TAU / f64::from(steps * steps);
+                let tests = [1.0, d.x, d.y * d.y, d.z];
+                integral.iter_mut().zip(tests).for_each(|(sum, f)| *sum += f * value);
+            }
+            for (a, b) in drawn.iter().zip(integral) {
+                assert!((a - b).abs() < 2e-3 * integral[0], "{drawn:?} {integral:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn densities_integrate_to_one() {
+        // Of what is drawn by brightness some falls below a surface's horizon.
+        for sky in skies().into_iter().skip(1) {
+            let steps = 512;
+            let sum: f64 = (0..steps * steps)
+                .map(|k| {
+                    let height = 1.0 - 2.0 * ((k / steps) as f64 + 0.5) / steps as f64;
+                    let angle = ((k % steps) as f64 + 0.5) / steps as f64 * TAU;
+                    let radius = (1.0 - height * height).sqrt();
+                    let d = DVec3::new(radius * angle.cos(), height, radius * angle.sin());
+                    sky.pdf(DVec3::X, d) * 4.0 * PI / (steps * steps) as f64
+                })
+                .sum();
+            assert!((sum - 1.0).abs() < 1e-3, "{sum}");
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! Scattering: what surfaces that are not diffuse do with a ray: mirrors, glass, rough metal, coats.
+
+mod coat;
+mod fresnel;
+mod gloss;
+mod media;
+mod scatter;
+mod tint;
+
+pub use coat::Coat;
+pub use fresnel::fresnel;
+pub(crate) use gloss::Gloss;
+pub(crate) use media::Media;
+pub use scatter::{Destination, Glossy, Scattered};
+pub use tint::Tint;
