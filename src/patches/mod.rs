@@ -24,19 +24,11 @@ use rayon::prelude::*;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{FaceTexture, Feature, Scene, Side};
 use crate::trace::{Frame, Tracer};
-pub use cut::Barycentrics;
-pub use cut::Cutter;
-use cut::{Cuts, Uncut};
-pub use cut::{Outlook, Stretch};
-use cut::{Parting, Parts};
+pub use cut::{Barycentrics, Cutter, Outlook, Stretch};
+use cut::{Cuts, Parting, Parts, Uncut};
 pub(crate) use facet::Facet;
-pub use fields::Basis;
-pub use fields::Clusters;
-pub use fields::FaceRow;
-pub use fields::Sheets;
-pub use fields::{Group, GroupBy, Groups};
-pub use reach::Reach;
-pub use reach::seeing_sides;
+pub use fields::{Basis, Clusters, FaceRow, Group, GroupBy, Groups, Sheets};
+pub use reach::{Reach, seeing_sides};
 
 /// How finely to cut.
 #[derive(Clone, Copy, Debug, PartialEq)]

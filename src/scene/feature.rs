@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::light::{SkyKind, luminance};
+use super::light::SkyKind;
 use super::material::{Sheet, Textures};
+use super::photometry::luminance;
 use super::{FaceState, Material, Scene, Surface};
 
 /// Something that a scene can do without.

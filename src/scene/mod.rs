@@ -12,6 +12,7 @@ mod grouped;
 mod lifted;
 mod light;
 mod material;
+mod photometry;
 mod receiver;
 
 use std::io::Read;
@@ -21,15 +22,9 @@ use glam::{DVec2, DVec3};
 
 pub use camera::Camera;
 pub use feature::Feature;
-pub use light::Environment;
-pub use light::IntensityTable;
-pub use light::Light;
-pub use light::{EFFICACY, luminance};
-pub use light::{Sky, SkyKind, SkyShares};
-pub use material::Sheet;
-pub use material::{Beyond, Pixels};
-pub use material::{FaceTexture, Texture, Textures};
-pub use material::{Material, Surface};
+pub use light::{Environment, IntensityTable, Light, Sky, SkyKind, SkyShares};
+pub use material::{Beyond, FaceTexture, Material, Pixels, Sheet, Surface, Texture, Textures};
+pub use photometry::{EFFICACY, luminance};
 pub use receiver::Receiver;
 
 use degenerate::drop_degenerate;

@@ -25,19 +25,15 @@ use glam::DVec3;
 use crate::scene::{FaceState, Scene, Side, Surface};
 use bvh::Bvh;
 pub use convex::{Enclosure, NotConvex};
-pub use emitters::{Beam, Lights, solid_angle};
-pub use emitters::{LampPoint, LampView, Lamps};
-pub use emitters::{Shot, SkyShot, Targets};
-pub use emitters::{SkyBeam, SkySampler};
+pub use emitters::{
+    Beam, LampPoint, LampView, Lamps, Lights, Shot, SkyBeam, SkySampler, SkyShot, Targets, solid_angle,
+};
 pub use facing::{IN_PLANE, can_face};
 pub(crate) use interaction::Interaction;
 pub use lambert::{form_factor_between, form_factor_to_triangle, geometry_term};
 use layers::Layers;
 pub use layers::{Overlap, OverlapKind};
-pub use scattering::Coat;
-pub use scattering::Tint;
-pub use scattering::fresnel;
-pub use scattering::{Destination, Glossy, Scattered};
+pub use scattering::{Coat, Destination, Glossy, Scattered, Tint, fresnel};
 use scattering::{Gloss, Media};
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.

@@ -17,9 +17,8 @@ use super::colour::Colour;
 use super::picture_file;
 use super::text::decode;
 use crate::scene::Light;
-use crate::scene::light::{
-    Environment, IntensityTable, SPHERE, Sky, SkyKind, check_power, luminance, spot_solid_angle,
-};
+use crate::scene::light::{Environment, IntensityTable, SPHERE, Sky, SkyKind, check_power, spot_solid_angle};
+use crate::scene::photometry::luminance;
 
 #[derive(Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]

@@ -11,8 +11,8 @@ use super::beside::Beside;
 use super::colour::Colour;
 use super::light_settings::{LightSettings, SkySettings};
 use super::settings_line::line_of;
-use crate::scene::light::EFFICACY;
 use crate::scene::material::Sheet;
+use crate::scene::photometry::EFFICACY;
 use crate::scene::{Camera, FARTHEST, LARGEST, Material, Receiver, SceneError, SceneParts, Surface, is_near};
 
 /// The content of a scene's `.toml`.

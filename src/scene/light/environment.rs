@@ -8,8 +8,8 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
-use super::photometry::luminance;
 use crate::scene::material::{Beyond, Pixels};
+use crate::scene::photometry::luminance;
 
 /// Around it goes on, above and below it ends.
 const BEYOND: [Beyond; 2] = [Beyond::Repeat, Beyond::Clamp];

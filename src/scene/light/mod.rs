@@ -2,7 +2,6 @@
 
 mod environment;
 mod ies;
-mod photometry;
 mod sky;
 
 use std::f64::consts::{PI, TAU};
@@ -14,7 +13,6 @@ use glam::DVec3;
 use super::{LARGEST, is_near};
 pub use environment::Environment;
 pub use ies::IntensityTable;
-pub use photometry::{EFFICACY, luminance};
 pub use sky::{Sky, SkyKind, SkyShares};
 
 /// A light without area. Places and directions are those of the scene; every power has a value per channel.

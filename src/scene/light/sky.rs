@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::check_power;
 use super::environment::Environment;
-use super::photometry::luminance;
+use crate::scene::photometry::luminance;
 
 /// A sky around the scene.
 #[derive(Clone, Debug, PartialEq)]

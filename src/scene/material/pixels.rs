@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use crate::scene::light::luminance;
+use crate::scene::photometry::luminance;
 
 /// Triangles that cover more texels than this are averaged on a picture half as fine.
 const MOST_TEXELS: f64 = 16384.0;

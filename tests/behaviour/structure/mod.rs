@@ -1,7 +1,14 @@
-//! Data flows one way: a module imports only from modules to its left.
+//! Data flows one way: a module imports only from modules to its left, and no two rooms of the house need each
+//! other.
+
+mod house;
+mod tokens;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+
+use house::House;
+use tokens::{Token, tokens};
 
 /// The way through the house, left to right.
 const ORDER: [&str; 10] = [
@@ -66,6 +73,23 @@ fn the_program_knows_the_library_by_its_public_face_only() {
             assert!(!elsewhere, "{at}: takes in a file from elsewhere");
         }
     }
+}
+
+#[test]
+fn no_two_rooms_of_the_library_need_each_other() {
+    let source = root().join("src");
+    let files = library_files().into_iter().filter_map(|path| Some((module_path(&path)?, read(&path))));
+    let house = House::new(files.collect());
+    assert!(house.arrows().len() > 500, "the arrows of {}", source.display());
+    assert_eq!(house.circles(), [""; 0]);
+}
+
+#[test]
+fn no_two_files_of_the_program_need_each_other() {
+    let files = rust_files(&root().join("src/bin/radiosity"));
+    let name = |path: &Path| vec![path.file_stem().unwrap().to_string_lossy().into_owned()];
+    let house = House::new(files.iter().map(|path| (name(path), read(path))).collect());
+    assert_eq!(house.circles(), [""; 0]);
 }
 
 #[test]
@@ -216,65 +240,4 @@ fn heads(tokens: &[Token], at: usize, names: &mut Vec<(usize, String)>) {
         (Some(colons), Some(name)) if colons.text == "::" => push(name),
         _ => push(&tokens[at]),
     }
-}
-
-struct Token {
-    line: usize,
-    text: String,
-}
-
-/// Words, `::` and single signs; comments, strings and characters are left out.
-fn tokens(text: &str) -> Vec<Token> {
-    let text: Vec<char> = text.chars().collect();
-    let starts = |at: usize, what: &str| what.chars().enumerate().all(|(k, c)| text.get(at + k) == Some(&c));
-    let find =
-        |from: usize, what: &str| (from..text.len()).find(|&at| starts(at, what)).unwrap_or(text.len());
-    let is_word = |c: char| c.is_alphanumeric() || c == '_';
-    let (mut tokens, mut at, mut line) = (Vec::new(), 0, 1);
-    while at < text.len() {
-        let begin = at;
-        match text[at] {
-            '/' if starts(at, "//") => at = find(at, "\n"),
-            '/' if starts(at, "/*") => {
-                let mut depth = 0;
-                while at < text.len() {
-                    depth += i32::from(starts(at, "/*")) - i32::from(starts(at, "*/"));
-                    at += if starts(at, "/*") || starts(at, "*/") { 2 } else { 1 };
-                    if depth == 0 {
-                        break;
-                    }
-                }
-            }
-            'r' if starts(at, "r\"") || starts(at, "r#\"") => {
-                let end = if starts(at, "r\"") { "\"" } else { "\"#" };
-                at = find(find(at, "\"") + 1, end) + end.len();
-            }
-            '"' => {
-                at += 1;
-                while at < text.len() && text[at] != '"' {
-                    at += if text[at] == '\\' { 2 } else { 1 };
-                }
-                at += 1;
-            }
-            // A character; otherwise the quote starts a lifetime.
-            '\'' if starts(at + 1, "\\") => at = find(at + 3, "'") + 1,
-            '\'' if starts(at + 2, "'") => at += 3,
-            ':' if starts(at, "::") => {
-                tokens.push(Token { line, text: "::".into() });
-                at += 2;
-            }
-            c if is_word(c) => {
-                at = (at..text.len()).find(|&k| !is_word(text[k])).unwrap_or(text.len());
-                tokens.push(Token { line, text: text[begin..at].iter().collect() });
-            }
-            c => {
-                if !c.is_whitespace() {
-                    tokens.push(Token { line, text: c.into() });
-                }
-                at += 1;
-            }
-        }
-        line += text[begin..at.min(text.len())].iter().filter(|&&c| c == '\n').count();
-    }
-    tokens
 }
