@@ -7,11 +7,14 @@ use radiosity::measure::{
 };
 use radiosity::output::{
     self, BouncePictures, ComparisonOptions, ComparisonSummary, DirectSummary, OrderSummary, OrdersPlot,
+    Outputs,
 };
+use radiosity::patches::Patches;
+use radiosity::progress::Progress;
 use radiosity::reference::{Budget, PathOptions, PathTracer};
-use radiosity::render::{self, RenderOptions, Shading};
+use radiosity::render::{self, Picture, RenderError, RenderOptions, Shading};
 use radiosity::scene::Scene;
-use radiosity::solve::{self, Amplification, Certainty, Problem, Report, SolveOptions};
+use radiosity::solve::{self, Amplification, Certainty, Problem, Report, Solution, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::Keep;
 
@@ -68,10 +71,55 @@ struct ReferenceArgs {
 }
 
 impl ReferenceArgs {
+    /// What each picture looks like; refuses an impossible size before any work is done.
+    fn look<'a>(&self, run: &RunArgs, progress: Progress<'a>) -> Result<RenderOptions<'a>, RenderError> {
+        let (width, height) = self.size;
+        let (samples, seed) = (self.samples, run.seed);
+        let look = RenderOptions { width, height, samples, seed, progress, ..Default::default() };
+        look.validate()?;
+        Ok(look)
+    }
+
     fn budget(&self) -> Budget {
         let &Self { standard_error, seconds, paths, .. } = self;
         let otherwise = if seconds.is_none() && paths.is_none() { Some(0.02) } else { None };
         Budget { standard_error: standard_error.or(otherwise), seconds, paths: paths.map(|n| n as u64) }
+    }
+}
+
+/// What the pictures show: the matrix answer, light paths, and bounces.
+struct Pictures {
+    matrix: Picture,
+    traced: Picture,
+    bounces: Vec<BouncePictures>,
+}
+
+impl Pictures {
+    /// Draws the solution and the problem's bounces up to the last.
+    fn draw(
+        tracer: &Tracer,
+        patches: &Patches,
+        (problem, last): (&Problem, usize),
+        solution: &Solution,
+        look: &RenderOptions,
+    ) -> Result<Self, Failure> {
+        let camera = picture::camera(tracer, patches);
+        let picture = |shading| {
+            render::picture(tracer, patches, &solution.radiance, &camera, &RenderOptions { shading, ..*look })
+        };
+        let [matrix, traced] = [picture(Shading::Smooth)?, picture(Shading::Path)?];
+        let terms = solve::bounces(problem.operator(), problem.right_hand_side(), last);
+        let bounces = BouncePictures::render(tracer, patches, &terms, &camera, look)?;
+        Ok(Self { matrix, traced, bounces })
+    }
+
+    /// Writes them; `notes` stand under the two first.
+    fn write(&self, outputs: &mut Outputs, notes: [&str; 2]) -> Result<(), Failure> {
+        let Self { matrix, traced, bounces } = self;
+        let panels = ComparisonOptions { notes, ..Default::default() };
+        outputs.file("comparison.png", |file| output::write_comparison(file, matrix, traced, &panels))?;
+        outputs.file("bounces.png", |file| output::write_bounces(file, bounces))?;
+        Ok(())
     }
 }
 
@@ -83,16 +131,7 @@ const LAST_PICTURE: usize = 4;
 
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
-    let (width, height) = args.reference.size;
-    let look = RenderOptions {
-        width,
-        height,
-        samples: args.reference.samples,
-        seed: args.run.seed,
-        progress,
-        ..Default::default()
-    };
-    look.validate()?;
+    let look = args.reference.look(&args.run, progress)?;
     progress.at("load", 0.0)?;
     let (scene, _) = args.factors.settle(args.scene.load()?, terminal)?;
     args.factors.refuse_to_leave_out(&scene, "the path-traced reference follows all light")?;
@@ -134,18 +173,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let irradiance = &direct.means().irradiance;
     let comparison = Comparison::new(&patches, irradiance, &reference, &mesh);
 
-    let camera = picture::camera(&tracer, &patches);
-    let picture = |shading| {
-        render::picture(&tracer, &patches, &direct.radiance, &camera, &RenderOptions { shading, ..look })
-    };
-    let [matrix, traced] = [picture(Shading::Smooth)?, picture(Shading::Path)?];
-    picture::warn_if_black(&matrix, direct.irradiance.amax(), terminal);
-    let terms = solve::bounces(
-        problem.operator(),
-        problem.right_hand_side(),
-        LAST_PICTURE.min(orders.len().max(2) - 1),
-    );
-    let bounces = BouncePictures::render(&tracer, &patches, &terms, &camera, &look)?;
+    let last = LAST_PICTURE.min(orders.len().max(2) - 1);
+    let pictures = Pictures::draw(&tracer, &patches, (&problem, last), &direct, &look)?;
+    picture::warn_if_black(&pictures.matrix, direct.irradiance.amax(), terminal);
 
     progress.at("write", 0.0)?;
     let mut outputs = args.scene.outputs(&scene)?;
@@ -153,10 +183,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         output::write_comparison_table(file, &patches, irradiance, &reference, &mesh)
     })?;
     let by_solver = format!("{} patches, {} solver, smooth shading", patches.len(), direct.report.name);
-    let by_paths = format!("{} paths a pixel", look.samples);
-    let panels = ComparisonOptions { notes: [&by_solver, &by_paths], ..Default::default() };
-    outputs.file("comparison.png", |file| output::write_comparison(file, &matrix, &traced, &panels))?;
-    outputs.file("bounces.png", |file| output::write_bounces(file, &bounces))?;
+    pictures.write(&mut outputs, [&by_solver, &format!("{} paths a pixel", look.samples)])?;
     let plot = plot(&scene, &orders, &comparison, reference.relative_standard_error());
     outputs.file("orders.svg", |file| output::write_orders_plot(file, &plot))?;
     let summary = ComparisonSummary {

@@ -11,6 +11,7 @@ mod picture;
 mod plan;
 mod render;
 mod solve;
+mod solve_report;
 mod study;
 mod terminal;
 mod values;

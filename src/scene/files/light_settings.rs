@@ -17,6 +17,7 @@ use super::colour::Colour;
 use super::picture_file;
 use super::text::decode;
 use crate::scene::Light;
+use crate::scene::Pixels;
 use crate::scene::light::{Environment, IntensityTable, SPHERE, Sky, SkyKind, check_power, spot_solid_angle};
 use crate::scene::photometry::luminance;
 
@@ -117,31 +118,28 @@ pub(crate) enum SkySettings {
     },
 }
 
+/// What settings are read with.
+pub(super) struct World<'a> {
+    /// Metres.
+    pub unit: f64,
+    /// Lumens per watt.
+    pub efficacy: f64,
+    /// A unit vector.
+    pub up: DVec3,
+    /// Where files lie.
+    pub beside: &'a Beside,
+    pub warnings: &'a mut Vec<String>,
+}
+
 impl LightSettings {
-    /// The light in metres and watts; `unit` in metres, `efficacy` in lm/W; `up` is a unit vector. Photometric
-    /// files lie beside the scene.
-    pub fn light(
-        &self,
-        (unit, efficacy): (f64, f64),
-        up: DVec3,
-        beside: &Beside,
-        warnings: &mut Vec<String>,
-    ) -> Result<Light, String> {
+    /// The light in metres and watts.
+    pub fn light(&self, world: &mut World) -> Result<Light, String> {
+        let (unit, efficacy) = (world.unit, world.efficacy);
         let light = match self {
             Self::Point { position, intensity, luminous_intensity, flux, luminous_flux, colour } => {
-                Light::Point {
-                    position: DVec3::from(*position) * unit,
-                    intensity: one_of(
-                        &[
-                            Amount::watts("intensity", intensity, 1.0),
-                            Amount::lumens("luminous_intensity", *luminous_intensity, 1.0),
-                            Amount::watts("flux", flux, SPHERE),
-                            Amount::lumens("luminous_flux", *luminous_flux, SPHERE),
-                        ],
-                        colour.as_ref(),
-                        efficacy,
-                    )?,
-                }
+                let amounts = by_intensity([intensity, flux], [*luminous_intensity, *luminous_flux], SPHERE);
+                let intensity = one_of(&amounts, colour.as_ref(), efficacy)?;
+                Light::Point { position: DVec3::from(*position) * unit, intensity }
             }
             Self::Spot {
                 position,
@@ -157,28 +155,19 @@ impl LightSettings {
             } => {
                 let direction = aim(position, target, direction)?;
                 let sent = spot_solid_angle(*cone, *penumbra);
-                let intensity = one_of(
-                    &[
-                        Amount::watts("intensity", intensity, 1.0),
-                        Amount::lumens("luminous_intensity", *luminous_intensity, 1.0),
-                        Amount::watts("flux", flux, sent),
-                        Amount::lumens("luminous_flux", *luminous_flux, sent),
-                    ],
-                    colour.as_ref(),
-                    efficacy,
-                )?;
+                let amounts = by_intensity([intensity, flux], [*luminous_intensity, *luminous_flux], sent);
                 Light::Spot {
                     position: DVec3::from(*position) * unit,
                     direction,
-                    intensity,
+                    intensity: one_of(&amounts, colour.as_ref(), efficacy)?,
                     cone: *cone,
                     penumbra: *penumbra,
                 }
             }
             Self::Ies { file, position, target, direction, up: c0, scale, luminous_flux, colour } => {
                 let direction = aim(position, target, direction)?;
-                let table = intensity_table(file, beside, warnings)?;
-                let from_down = direction.dot(-up).clamp(-1.0, 1.0).acos().to_degrees();
+                let table = intensity_table(file, world)?;
+                let from_down = direction.dot(-world.up).clamp(-1.0, 1.0).acos().to_degrees();
                 let factor = match (scale, luminous_flux) {
                     (Some(_), Some(_)) => return Err("give scale or luminous_flux, one of the two".into()),
                     (None, Some(lumens)) => lumens / table.flux(),
@@ -194,22 +183,35 @@ impl LightSettings {
                     table: Arc::new(table),
                 }
             }
-            Self::Sun { direction, diameter, irradiance, illuminance, colour } => Light::Sun {
-                direction: DVec3::from(*direction).normalize_or_zero(),
-                diameter: *diameter,
-                irradiance: one_of(
-                    &[
-                        Amount::watts("irradiance", irradiance, 1.0),
-                        Amount::lumens("illuminance", *illuminance, 1.0),
-                    ],
-                    colour.as_ref(),
-                    efficacy,
-                )?,
-            },
+            Self::Sun { direction, diameter, irradiance, illuminance, colour } => {
+                let amounts = [
+                    Amount::watts("irradiance", irradiance, 1.0),
+                    Amount::lumens("illuminance", *illuminance, 1.0),
+                ];
+                Light::Sun {
+                    direction: DVec3::from(*direction).normalize_or_zero(),
+                    diameter: *diameter,
+                    irradiance: one_of(&amounts, colour.as_ref(), efficacy)?,
+                }
+            }
         };
         light.check(3)?;
         Ok(light)
     }
+}
+
+/// An intensity, by itself or by the flux that it sends into a solid angle; in watts and in lumens.
+fn by_intensity<'a>(
+    [intensity, flux]: [&'a Option<Colour>; 2],
+    [luminous_intensity, luminous_flux]: [Option<f64>; 2],
+    solid_angle: f64,
+) -> [Amount<'a>; 4] {
+    [
+        Amount::watts("intensity", intensity, 1.0),
+        Amount::lumens("luminous_intensity", luminous_intensity, 1.0),
+        Amount::watts("flux", flux, solid_angle),
+        Amount::lumens("luminous_flux", luminous_flux, solid_angle),
+    ]
 }
 
 /// A unit vector, or zero, from a target or a direction.
@@ -231,12 +233,8 @@ fn default_c0(direction: DVec3) -> DVec3 {
     if direction.x.abs() < 0.9 { DVec3::X } else { DVec3::Z }
 }
 
-fn intensity_table(
-    file: &Path,
-    beside: &Beside,
-    warnings: &mut Vec<String>,
-) -> Result<IntensityTable, String> {
-    let path = beside.find_light(file)?;
+fn intensity_table(file: &Path, world: &mut World) -> Result<IntensityTable, String> {
+    let path = world.beside.find_light(file)?;
     let bytes = std::fs::read(&path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
     let mut said = Vec::new();
     let table = IntensityTable::parse(&decode(&bytes), &mut said)
@@ -244,13 +242,14 @@ fn intensity_table(
     if table.highest() == 0.0 {
         said.push("every intensity is 0: no light comes from it".into());
     }
-    warnings.extend(said.into_iter().map(|message| format!("light: {}: {message}", path.display())));
+    world.warnings.extend(said.into_iter().map(|message| format!("light: {}: {message}", path.display())));
     Ok(table)
 }
 
 impl SkySettings {
-    /// The sky in watts; `efficacy` in lm/W. Pictures lie beside the scene.
-    pub fn sky(&self, efficacy: f64, beside: &Beside, warnings: &mut Vec<String>) -> Result<Sky, String> {
+    /// The sky in watts.
+    pub fn sky(&self, world: &mut World) -> Result<Sky, String> {
+        let efficacy = world.efficacy;
         let (mut sky, [radiance, irradiance], [luminance, illuminance], colour) = match self {
             Self::Constant { radiance, luminance, colour } => {
                 let sky = Sky { kind: SkyKind::Constant, up: DVec3::Y, zenith: vec![0.0; 3], ground: 0.0 };
@@ -269,7 +268,11 @@ impl SkySettings {
                     ("illuminance", *illuminance, Value::OfGround(efficacy)),
                 ];
                 let up = DVec3::from(*up).normalize_or_zero();
-                return environment((file, beside), (up, *turn), &amounts, warnings);
+                let pixels = environment_picture(file, world)?;
+                if !turn.is_finite() {
+                    return Err(format!("turn {turn} must be a number of degrees"));
+                }
+                return environment(Environment::new(pixels, up, *turn), up, &amounts);
             }
             Self::Clear { up, sun, ground, radiance, luminance, irradiance, illuminance, colour } => {
                 let up = DVec3::from(*up).normalize_or_zero();
@@ -301,30 +304,31 @@ enum Value {
     OfGround(f64),
 }
 
-/// A sky from a picture.
-fn environment(
-    (file, beside): (&Path, &Beside),
-    (up, turn): (DVec3, f64),
-    amounts: &[(&str, Option<f64>, Value)],
-    warnings: &mut Vec<String>,
-) -> Result<Sky, String> {
-    let path = beside.find_light(file)?;
+/// A picture of all that is around.
+fn environment_picture(file: &Path, world: &mut World) -> Result<Pixels, String> {
+    let path = world.beside.find_light(file)?;
     let about = |message: String| format!("{}: {message}", path.display());
     let pixels = picture_file::read(&path).map_err(about)?;
     let [width, height] = pixels.size();
     if width != 2 * height {
-        warnings.push(format!(
+        world.warnings.push(format!(
             "sky: {}: {width} x {height} pixels are stretched around the scene; a picture by longitude and latitude is twice as wide as high",
             path.display()
         ));
     }
     if pixels.highest() == [0.0; 3] {
-        warnings.push(format!("sky: {}: the picture is black: no light comes from it", path.display()));
+        world.warnings.push(format!("sky: {}: the picture is black: no light comes from it", path.display()));
     }
-    if !turn.is_finite() {
-        return Err(format!("turn {turn} must be a number of degrees"));
-    }
-    let kind = SkyKind::Environment(Arc::new(Environment::new(pixels, up, turn)));
+    Ok(pixels)
+}
+
+/// A sky from a picture.
+fn environment(
+    environment: Environment,
+    up: DVec3,
+    amounts: &[(&str, Option<f64>, Value)],
+) -> Result<Sky, String> {
+    let kind = SkyKind::Environment(Arc::new(environment));
     let mut sky = Sky { kind, up, zenith: vec![1.0; 3], ground: 0.0 };
     sky.check(3)?;
     let mut given = amounts.iter().filter_map(|(key, number, value)| Some((key, (*number)?, value)));

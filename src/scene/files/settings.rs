@@ -9,7 +9,7 @@ use toml::Spanned;
 
 use super::beside::Beside;
 use super::colour::Colour;
-use super::light_settings::{LightSettings, SkySettings};
+use super::light_settings::{LightSettings, SkySettings, World};
 use super::settings_line::line_of;
 use crate::scene::material::Sheet;
 use crate::scene::photometry::EFFICACY;
@@ -126,36 +126,85 @@ pub(crate) fn apply(
     beside: &Beside,
     parts: &mut SceneParts,
 ) -> Result<(), SceneError> {
-    let read = |text: &str| toml::from_str::<Settings>(text);
-    let error = |start: usize, message: String| {
-        let refusal = |text: &str| read(text).err().map(|e| e.message().to_owned());
-        let line = line_of(text, start, &message, refusal);
-        SceneError::Parse { path: path.to_path_buf(), line, message }
-    };
-    let settings =
-        read(text).map_err(|e| error(e.span().map_or(0, |span| span.start), e.message().to_owned()))?;
-    let unit = settings.unit.as_ref().map_or(1.0, |unit| unit.get_ref().metres());
-    parts.vertices.iter_mut().for_each(|vertex| *vertex *= unit);
-    if let Some(given) = settings.unit {
-        let wrong = |message: String| error(given.span().start, format!("unit = {unit}: {message}"));
+    let file = SettingsFile { path, text };
+    let settings = file.read()?;
+    let unit = file.scale(settings.unit, parts)?;
+    if let Some(given) = settings.camera {
+        parts.camera = Some(file.camera(&given, unit)?);
+    }
+    for (name, given) in &settings.material {
+        file.change_material(name, given, parts)?;
+    }
+    let efficacy = file.efficacy(settings.efficacy)?;
+    parts.efficacy = Some(efficacy);
+    let up = parts.camera.map_or(DVec3::Y, |camera| camera.up.normalize_or(DVec3::Y));
+    let mut world = World { unit, efficacy, up, beside, warnings: &mut parts.warnings };
+    for given in &settings.light {
+        let light = given.get_ref().light(&mut world);
+        parts.lights.push(light.map_err(|message| file.error(given, format!("light: {message}")))?);
+    }
+    for given in &settings.receiver {
+        parts.receivers.push(file.receiver(given, unit)?);
+    }
+    if let Some(given) = &settings.sky {
+        let sky = given.get_ref().sky(&mut world);
+        parts.sky = Some(sky.map_err(|message| file.error(given, format!("sky: {message}")))?);
+    }
+    Ok(())
+}
+
+/// A file of settings, which knows where in it something is wrong.
+struct SettingsFile<'a> {
+    path: &'a Path,
+    text: &'a str,
+}
+
+impl SettingsFile<'_> {
+    fn read(&self) -> Result<Settings, SceneError> {
+        toml::from_str(self.text)
+            .map_err(|e| self.error_at(e.span().map_or(0, |span| span.start), e.message().to_owned()))
+    }
+
+    /// An error about the settings that start at this byte.
+    fn error_at(&self, start: usize, message: String) -> SceneError {
+        let refusal = |text: &str| toml::from_str::<Settings>(text).err().map(|e| e.message().to_owned());
+        let line = line_of(self.text, start, &message, refusal);
+        SceneError::Parse { path: self.path.to_path_buf(), line, message }
+    }
+
+    fn error<T>(&self, given: &Spanned<T>, message: String) -> SceneError {
+        self.error_at(given.span().start, message)
+    }
+
+    /// Makes vertices metres; answers the unit, in metres.
+    fn scale(&self, given: Option<Spanned<Unit>>, parts: &mut SceneParts) -> Result<f64, SceneError> {
+        let unit = given.as_ref().map_or(1.0, |unit| unit.get_ref().metres());
+        parts.vertices.iter_mut().for_each(|vertex| *vertex *= unit);
+        let Some(given) = given else { return Ok(unit) };
+        let wrong = |message: String| self.error(&given, format!("unit = {unit}: {message}"));
         if !(unit.is_finite() && unit > 0.0) {
             return Err(wrong("metres per unit must be positive".into()));
         }
         if parts.vertices.iter().any(|vertex| !is_near(*vertex)) {
             return Err(wrong(format!("it makes coordinates of more than {FARTHEST:e} m")));
         }
+        Ok(unit)
     }
-    if let Some(given) = settings.camera {
+
+    fn camera(&self, given: &Spanned<CameraSettings>, unit: f64) -> Result<Camera, SceneError> {
         let CameraSettings { position, target, up, fov } = *given.get_ref();
         let [position, target] = [position, target].map(|point| DVec3::from(point) * unit);
         let camera = Camera { position, target, up: up.into(), fov };
-        if !camera.is_valid() {
-            return Err(error(given.span().start, SceneError::Camera.to_string()));
-        }
-        parts.camera = Some(camera);
+        if camera.is_valid() { Ok(camera) } else { Err(self.error(given, SceneError::Camera.to_string())) }
     }
-    for (name, given) in settings.material {
-        let wrong = |message: String| error(given.span().start, format!("material {name}: {message}"));
+
+    fn change_material(
+        &self,
+        name: &str,
+        given: &Spanned<MaterialSettings>,
+        parts: &mut SceneParts,
+    ) -> Result<(), SceneError> {
+        let wrong = |message: String| self.error(given, format!("material {name}: {message}"));
         let Some(material) = parts.materials.iter_mut().find(|m| m.name == name) else {
             let known: Vec<&str> = parts.materials.iter().take(20).map(|m| m.name.as_str()).collect();
             return Err(wrong(format!(
@@ -163,64 +212,68 @@ pub(crate) fn apply(
                 known.join(", ")
             )));
         };
-        let MaterialSettings { reflectance, emission, roughness, thin, .. } = given.get_ref();
-        if let Some(reflectance) = reflectance {
+        given.get_ref().change(material).map_err(|message| wrong(message.into()))?;
+        make_sheet(material, given.get_ref(), &mut parts.warnings);
+        material.check().map_err(wrong)
+    }
+
+    /// Lumens per watt.
+    fn efficacy(&self, given: Option<Spanned<f64>>) -> Result<f64, SceneError> {
+        let Some(given) = given else { return Ok(EFFICACY) };
+        let efficacy = *given.get_ref();
+        if efficacy > 0.0 && efficacy <= LARGEST {
+            return Ok(efficacy);
+        }
+        let message = format!("efficacy = {efficacy}: lumens per watt must be positive, up to {LARGEST:e}");
+        Err(self.error(&given, message))
+    }
+
+    fn receiver(&self, given: &Spanned<ReceiverSettings>, unit: f64) -> Result<Receiver, SceneError> {
+        let ReceiverSettings { name, corner, edges, points } = given.get_ref();
+        let [corner, a, b] = [*corner, edges[0], edges[1]].map(|v| DVec3::from(v) * unit);
+        let receiver = Receiver { name: name.clone(), corner, edges: [a, b], counts: *points };
+        let checked = receiver.check();
+        checked.map_err(|message| self.error(given, format!("receiver {name}: {message}")))?;
+        Ok(receiver)
+    }
+}
+
+impl MaterialSettings {
+    /// Changes what of a material is given, but for its back and what it lets through.
+    fn change(&self, material: &mut Material) -> Result<(), &'static str> {
+        if let Some(reflectance) = &self.reflectance {
             match &mut material.surface {
                 Surface::Mirror { reflectance: mirrored } => *mirrored = reflectance.channels(),
                 Surface::Conductor { reflectance: reflected, .. } => *reflected = reflectance.channels(),
                 _ => material.reflectance = reflectance.channels(),
             }
         }
-        if *thin {
+        if self.thin {
             let Surface::Dielectric { index, filter } = &material.surface else {
-                let message =
-                    "only glass is thin; make it glass by `illum 4` in the MTL file, or remove `thin`";
-                return Err(wrong(message.into()));
+                return Err(
+                    "only glass is thin; make it glass by `illum 4` in the MTL file, or remove `thin`",
+                );
             };
             // Light crosses both of its surfaces.
             let filter = filter.iter().map(|part| part * part).collect();
             material.surface = Surface::Pane { index: *index, filter };
         }
-        if let Some(given) = roughness {
+        if let Some(given) = self.roughness {
             let (Surface::Conductor { roughness, .. } | Surface::Plastic { roughness, .. }) =
                 &mut material.surface
             else {
-                let message = "only metals and plastic have a roughness; make it metal by `Pm 1` or plastic by `Pr` in the MTL file, \
-                               or remove it";
-                return Err(wrong(message.into()));
+                return Err(
+                    "only metals and plastic have a roughness; make it metal by `Pm 1` or plastic by `Pr` in the MTL file, \
+                     or remove it",
+                );
             };
-            *roughness = *given;
+            *roughness = given;
         }
-        if let Some(emission) = emission {
+        if let Some(emission) = &self.emission {
             material.emission = emission.channels();
         }
-        make_sheet(material, given.get_ref(), &mut parts.warnings);
-        material.check().map_err(wrong)?;
+        Ok(())
     }
-    let efficacy = settings.efficacy.as_ref().map_or(EFFICACY, |efficacy| *efficacy.get_ref());
-    if let Some(given) = settings.efficacy.filter(|_| !(efficacy > 0.0 && efficacy <= LARGEST)) {
-        let message = format!("efficacy = {efficacy}: lumens per watt must be positive, up to {LARGEST:e}");
-        return Err(error(given.span().start, message));
-    }
-    parts.efficacy = Some(efficacy);
-    let up = parts.camera.map_or(DVec3::Y, |camera| camera.up.normalize_or(DVec3::Y));
-    for given in &settings.light {
-        let light = given.get_ref().light((unit, efficacy), up, beside, &mut parts.warnings);
-        parts.lights.push(light.map_err(|message| error(given.span().start, format!("light: {message}")))?);
-    }
-    for given in &settings.receiver {
-        let ReceiverSettings { name, corner, edges, points } = given.get_ref();
-        let [corner, a, b] = [*corner, edges[0], edges[1]].map(|v| DVec3::from(v) * unit);
-        let receiver = Receiver { name: name.clone(), corner, edges: [a, b], counts: *points };
-        let wrong = |message| error(given.span().start, format!("receiver {name}: {message}"));
-        receiver.check().map_err(wrong)?;
-        parts.receivers.push(receiver);
-    }
-    if let Some(given) = &settings.sky {
-        let sky = given.get_ref().sky(efficacy, beside, &mut parts.warnings);
-        parts.sky = Some(sky.map_err(|message| error(given.span().start, format!("sky: {message}")))?);
-    }
-    Ok(())
 }
 
 /// Gives a material a back and a transmittance of its own, where the settings do.

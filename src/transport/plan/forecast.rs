@@ -136,6 +136,8 @@ const PIXEL_RAYS: f64 = 2.5;
 const PIXEL_CARRIED: f64 = 20.0;
 /// Rays by which a slot looks around.
 const LOOKS: f64 = 20.0;
+/// What more than one channel adds, as a part of solving.
+const OTHER_CHANNELS: f64 = 0.3;
 
 /// Whether this many factors of N unknowns fit into `memory` and take no more than a second or two.
 pub(crate) fn is_quickly_factored(n: usize, factors: usize, memory: u64) -> bool {
@@ -151,148 +153,54 @@ impl Forecast {
     /// # Errors
     /// `TooManyOverlaps`.
     pub fn new(tracer: &Tracer, work: &Work) -> Result<Self, PatchError> {
-        let scene = tracer.scene();
-        let outlook = Outlook::new(tracer, work.tessellation.size)?;
-        let patches = outlook.patches();
-        let n = patches.round() as usize;
-        let per_patch = work.trace.rays.unwrap_or(TraceOptions::usual_rays(n)).next_multiple_of(BATCHES);
-        let interreflects = !scene.is_without(Feature::Interreflection);
-        let without_rays = work.trace.without_rays(tracer, n);
-        let is_exact = interreflects && without_rays.is_ok();
-        let lamps = Lamps::of_interest(tracer, work.trace.lamp_rays_for(per_patch));
-        let lamp_rays = if lamps.is_empty() || is_exact { 0 } else { work.trace.lamp_rays_for(per_patch) };
-        let count = RayCount { rays: per_patch, lamp_rays };
-        let density = Density::new(tracer, &outlook, &lamps, count, MANY);
-        let threads = rayon::current_num_threads();
-        let shared = |nanoseconds: f64| 1e-9 * nanoseconds / threads as f64;
-        let faces = scene.faces().len();
-        let through = |[a, b]: [f64; 2]| a + b * (faces.max(2) as f64).log2();
-        let (ray, shadow_ray) = (through(RAY), through(SHADOW_RAY));
-        let channels = scene.channels();
-        let each = work.trace.basis.coefficients();
-        let vector = (8 * each * channels) as f64 * patches;
-        let cost =
-            |rays: f64, seconds: f64, bytes: f64| Cost { rays: rays as u64, seconds, bytes: bytes as u64 };
-
-        // Rows of rays, and what lies on their way.
-        let rays = if interreflects && !is_exact { patches * f64::from(per_patch) } else { 0.0 };
-        let exact = if is_exact { shared(0.5 * patches * patches * PAIR) } else { 0.0 };
-        let landing_bytes = if work.trace.basis == Basis::Linear { 6.0 } else { 4.0 };
-        let rows = cost(rays, shared(rays * ray) + exact, rays * landing_bytes);
-        let met = rays * density.carried * CARRIERS_MET;
-        let carriers = cost(met, shared(met * ray), 0.0);
-        let [coated, turned] = coated_shares(tracer);
-        let turned = rays * density.landing * turned;
-        let coats = cost(turned, shared(turned * ray), 0.0);
-        let pairs = patches * f64::from(lamp_rays);
-        let lamp_columns = cost(pairs, shared(pairs * shadow_ray), 0.0);
-        let has_caustics = work.trace.caustics == Shots::Shot && tracer.has_carriers() && !lamps.is_empty();
-        let shots = if has_caustics { rays / 4.0 } else { 0.0 };
-        let lamp_shots = cost(shots, shared(shots * ray * (1.0 + density.carried * CARRIERS_MET)), 0.0);
-
-        // The matrix, and products with it.
-        let matrix = match (interreflects, is_exact) {
-            (false, _) => 0.0,
-            (_, true) => 4.0 * patches * patches,
-            _ => matrix_bytes(patches, work.trace, &density),
-        };
-        let pass = 1e-9 * BYTE[usize::from(channels > 1)] * matrix * 2.0 / threads.clamp(1, 2) as f64;
-        let balancing = if is_exact { BALANCING_EXACT } else { BALANCING };
-        let balance = cost(0.0, shared(rays * density.landing * LANDING) + balancing * pass, matrix);
-        let factors = distinct_reflectances(scene);
-        let unknowns = each * n;
-        let factored = interreflects
-            && match work.solving {
-                Solving::Either => is_quickly_factored(unknowns, factors, work.memory),
-                Solving::Factored => true,
-                Solving::Iterated => false,
-            };
-        let orders = orders_for(density.reflected, work.tolerance).min(work.order as f64);
-        let series = cost(0.0, orders * pass, 3.0 * vector);
-        let (factor, solve) = if factored {
-            let operations = factors as f64 * (unknowns as f64).powi(3) / 3.0;
-            let bytes = 8.0 * factors as f64 * (unknowns as f64).powi(2);
-            (cost(0.0, operations / FACTORING / threads as f64, bytes), cost(0.0, 4.0 * pass, 0.0))
-        } else {
-            // Conjugate gradients need about half as many passes, and bounding the error a few more.
-            (Cost::default(), cost(0.0, (0.5 * orders + 8.0) * pass, 5.0 * vector))
-        };
-
-        // Error bars count with solving.
-        let solve = sum(&[solve, cost(0.0, ERRORS * balance.seconds, 0.0)]);
-
-        // Lights without area, receivers, pictures, files.
-        let look = f64::from(work.light.rays);
-        let towards = |number: f64| patches * number * (look / 4.0).ceil();
-        let to_lights = towards(scene.lights().count() as f64);
-        let to_sky = if scene.sky().is_some() { patches * look } else { 0.0 };
-        let lights = cost(to_lights, shared(to_lights * shadow_ray), 0.0);
-        let sky = cost(to_sky, shared(to_sky * shadow_ray), 0.0);
-        // By way of carriers: shots for all patches, and as many rays of theirs into a sky.
-        let throws = tracer.has_carriers() && to_lights + to_sky > 0.0;
-        let thrown = |kind: bool| if throws && kind { patches * (look / 4.0).ceil() } else { 0.0 };
-        let (shots, looks) = (thrown(work.light.caustics == Shots::Shot), thrown(scene.sky().is_some()));
-        let carried_light = cost(
-            shots + looks,
-            shared(ray * (shots * (1.0 + CARRIERS_MET) + looks * (1.0 + density.carried * CARRIERS_MET))),
-            9.0 * vector * f64::from(u8::from(throws)),
-        );
-        let caustics = sum(&[lamp_shots, carried_light]);
-        let points: f64 = scene.receivers().iter().map(|receiver| receiver.len() as f64).sum();
-        let receivers = cost(points * look, shared(points * look * ray), 0.0);
-        let seen = work.pixels as f64 * PIXEL_RAYS * (1.0 + (density.carried + coated) * PIXEL_CARRIED);
-        let render = cost(0.0, shared(work.pixels as f64 * PIXEL + seen * ray), work.pixels as f64 * 24.0);
-        let around = outlook.slots * LOOKS;
-
-        let [traced, looked] =
-            if interreflects { [lamp_columns, Cost::default()] } else { [Cost::default(), lamp_columns] };
-        let straight = sum(&[lights, sky, looked]);
-        let held = if straight.rays > 0 { vector as u64 } else { 0 };
-        let straight = Cost { bytes: held, ..straight };
-        let light = sum(&[straight, carried_light]);
+        let job = Job::new(tracer, work)?;
+        let rays = job.rays();
+        let matrix = job.matrix(&rays);
+        let solving = job.solving(&matrix);
+        let lights = job.lights();
+        let light = job.direct_light(&rays, &lights);
+        let (receivers, render) = (job.receivers(), job.render());
+        let [traced, _] = job.lamp_columns(&rays);
         let all = [
-            ("load", cost(0.0, 1e-9 * faces as f64 * FACE_READ, 0.0)),
-            ("build", cost(0.0, 1e-9 * faces as f64 * FACE_BUILT, 0.0)),
-            ("patch", cost(around, shared(around * ray), outlook.slots * 40.0)),
-            ("trace", sum(&[rows, carriers, coats, traced, lamp_shots])),
-            ("balance", balance),
+            ("load", cost(0.0, 1e-9 * job.faces * FACE_READ, 0.0)),
+            ("build", cost(0.0, 1e-9 * job.faces * FACE_BUILT, 0.0)),
+            ("patch", job.cutting()),
+            ("trace", sum(&[rays.rows, rays.carriers, rays.coats, traced, rays.lamp_shots])),
+            ("balance", matrix.balance),
             ("light", light),
-            ("factor", factor),
-            ("solve", solve),
-            ("series", series),
+            ("factor", solving.factor),
+            ("solve", solving.solve),
+            ("series", solving.series),
             ("receive", receivers),
             ("render", render),
-            ("write", cost(0.0, 1e-9 * patches * PATCH_WRITTEN, 0.0)),
+            ("write", cost(0.0, 1e-9 * job.patches * PATCH_WRITTEN, 0.0)),
         ];
         let stages = all.into_iter().filter(|(_, cost)| *cost != Cost::default());
-        let interreflection = sum(&[rows, balance, factor, solve, series]);
-        let backs: f64 = outlook.patches_of.iter().map(|sides| sides[1]).sum();
-        let share = |cost: Cost, part: f64| Cost {
-            rays: (cost.rays as f64 * part) as u64,
-            seconds: cost.seconds * part,
-            bytes: (cost.bytes as f64 * part) as u64,
-        };
-        let others = share(sum(&[solve, series]), 0.3);
+        let interreflection =
+            sum(&[rays.rows, matrix.balance, solving.factor, solving.solve, solving.series]);
+        let backs: f64 = job.outlook.patches_of.iter().map(|sides| sides[1]).sum();
+        let share_of_patches = |number: f64| share(interreflection, number / job.patches.max(1.0));
+        let others = share(sum(&[solving.solve, solving.series]), OTHER_CHANNELS);
         let parts = Parts {
             interreflection,
-            rows,
-            colour: if channels > 1 { others } else { Cost::default() },
-            back_sides: share(interreflection, backs / patches.max(1.0)),
+            rows: rays.rows,
+            colour: if job.channels > 1 { others } else { Cost::default() },
+            back_sides: share_of_patches(backs),
             backs,
-            transmission: share(interreflection, outlook.through_sheets / patches.max(1.0)),
-            lamps: lamp_columns,
-            carriers,
-            coats,
-            caustics,
-            lights,
-            sky,
+            transmission: share_of_patches(job.outlook.through_sheets),
+            lamps: rays.lamp_columns,
+            carriers: rays.carriers,
+            coats: rays.coats,
+            caustics: sum(&[rays.lamp_shots, lights.carried]),
+            lights: lights.lights,
+            sky: lights.sky,
             receivers,
         };
         Ok(Self {
-            patches: n,
-            rays: if is_exact || !interreflects { 0 } else { per_patch },
-            rays_because: without_rays.err(),
-            threads,
+            patches: job.number,
+            rays: if job.is_exact || !job.interreflects { 0 } else { job.per_patch },
+            rays_because: job.without_rays,
+            threads: job.threads,
             stages: stages.map(|(name, cost)| StageCost { name, cost }).collect(),
             parts,
         })
@@ -307,6 +215,248 @@ impl Forecast {
         let bytes = of(&["patch", "balance", "light"])
             + of(&["trace"]).max(of(&["factor", "solve", "series", "render"]));
         Cost { bytes, ..sum(&self.stages.iter().map(|stage| stage.cost).collect::<Vec<_>>()) }
+    }
+}
+
+/// A cost of so many rays, seconds and bytes.
+fn cost(rays: f64, seconds: f64, bytes: f64) -> Cost {
+    Cost { rays: rays as u64, seconds, bytes: bytes as u64 }
+}
+
+/// A part of a cost.
+fn share(cost: Cost, part: f64) -> Cost {
+    Cost {
+        rays: (cost.rays as f64 * part) as u64,
+        seconds: cost.seconds * part,
+        bytes: (cost.bytes as f64 * part) as u64,
+    }
+}
+
+/// What the cost of a job follows from.
+struct Job<'a> {
+    tracer: &'a Tracer<'a>,
+    work: &'a Work<'a>,
+    outlook: Outlook,
+    density: Density,
+    /// Number of patches, and the same rounded.
+    patches: f64,
+    number: usize,
+    faces: f64,
+    channels: usize,
+    threads: usize,
+    per_patch: u32,
+    lamp_rays: u32,
+    has_lamps: bool,
+    interreflects: bool,
+    /// Whether form factors are found without rays; if not, why.
+    is_exact: bool,
+    without_rays: Option<String>,
+    /// Nanoseconds of one thread for a ray, and for one that only asks whether something is hidden.
+    ray: f64,
+    shadow_ray: f64,
+    /// Bytes of one value per coefficient and channel.
+    vector: f64,
+}
+
+/// What the rays of rows cost, by kind.
+struct RayCosts {
+    /// Rays of rows.
+    traced: f64,
+    rows: Cost,
+    /// What rays of rows meet on their way.
+    carriers: Cost,
+    coats: Cost,
+    lamp_columns: Cost,
+    lamp_shots: Cost,
+}
+
+/// What the matrix costs.
+struct MatrixCosts {
+    /// Seconds of one product with it.
+    pass: f64,
+    balance: Cost,
+}
+
+struct SolvingCosts {
+    factor: Cost,
+    solve: Cost,
+    series: Cost,
+}
+
+/// What looking for light that no patch sends out costs.
+struct LightCosts {
+    lights: Cost,
+    sky: Cost,
+    /// By way of carriers.
+    carried: Cost,
+}
+
+impl<'a> Job<'a> {
+    fn new(tracer: &'a Tracer, work: &'a Work) -> Result<Self, PatchError> {
+        let scene = tracer.scene();
+        let outlook = Outlook::new(tracer, work.tessellation.size)?;
+        let patches = outlook.patches();
+        let number = patches.round() as usize;
+        let per_patch = work.trace.rays.unwrap_or(TraceOptions::usual_rays(number)).next_multiple_of(BATCHES);
+        let interreflects = !scene.is_without(Feature::Interreflection);
+        let without_rays = work.trace.without_rays(tracer, number);
+        let is_exact = interreflects && without_rays.is_ok();
+        let lamps = Lamps::of_interest(tracer, work.trace.lamp_rays_for(per_patch));
+        let lamp_rays = if lamps.is_empty() || is_exact { 0 } else { work.trace.lamp_rays_for(per_patch) };
+        let count = RayCount { rays: per_patch, lamp_rays };
+        let density = Density::new(tracer, &outlook, &lamps, count, MANY);
+        let faces = scene.faces().len();
+        let through = |[a, b]: [f64; 2]| a + b * (faces.max(2) as f64).log2();
+        let channels = scene.channels();
+        Ok(Self {
+            tracer,
+            work,
+            outlook,
+            density,
+            patches,
+            number,
+            faces: faces as f64,
+            channels,
+            threads: rayon::current_num_threads(),
+            per_patch,
+            lamp_rays,
+            has_lamps: !lamps.is_empty(),
+            interreflects,
+            is_exact,
+            without_rays: without_rays.err(),
+            ray: through(RAY),
+            shadow_ray: through(SHADOW_RAY),
+            vector: (8 * work.trace.basis.coefficients() * channels) as f64 * patches,
+        })
+    }
+
+    /// Seconds of so many nanoseconds of one thread, shared by all.
+    fn shared(&self, nanoseconds: f64) -> f64 {
+        1e-9 * nanoseconds / self.threads as f64
+    }
+
+    /// Finding the sides that light reaches.
+    fn cutting(&self) -> Cost {
+        let around = self.outlook.slots * LOOKS;
+        cost(around, self.shared(around * self.ray), self.outlook.slots * 40.0)
+    }
+
+    /// Rows of rays, and what lies on their way.
+    fn rays(&self) -> RayCosts {
+        let &Self { patches, ray, .. } = self;
+        let trace = self.work.trace;
+        let is_traced = self.interreflects && !self.is_exact;
+        let rays = if is_traced { patches * f64::from(self.per_patch) } else { 0.0 };
+        let exact = if self.is_exact { self.shared(0.5 * patches * patches * PAIR) } else { 0.0 };
+        let landing_bytes = if trace.basis == Basis::Linear { 6.0 } else { 4.0 };
+        let met = rays * self.density.carried * CARRIERS_MET;
+        let [_, turned] = coated_shares(self.tracer);
+        let turned = rays * self.density.landing * turned;
+        let pairs = patches * f64::from(self.lamp_rays);
+        let has_caustics = trace.caustics == Shots::Shot && self.tracer.has_carriers() && self.has_lamps;
+        let shots = if has_caustics { rays / 4.0 } else { 0.0 };
+        let on_the_way = 1.0 + self.density.carried * CARRIERS_MET;
+        RayCosts {
+            traced: rays,
+            rows: cost(rays, self.shared(rays * ray) + exact, rays * landing_bytes),
+            carriers: cost(met, self.shared(met * ray), 0.0),
+            coats: cost(turned, self.shared(turned * ray), 0.0),
+            lamp_columns: cost(pairs, self.shared(pairs * self.shadow_ray), 0.0),
+            lamp_shots: cost(shots, self.shared(shots * ray * on_the_way), 0.0),
+        }
+    }
+
+    /// The cost of looking at lamps, as columns of the matrix or as direct light.
+    fn lamp_columns(&self, rays: &RayCosts) -> [Cost; 2] {
+        match self.interreflects {
+            true => [rays.lamp_columns, Cost::default()],
+            false => [Cost::default(), rays.lamp_columns],
+        }
+    }
+
+    /// The matrix, and products with it.
+    fn matrix(&self, rays: &RayCosts) -> MatrixCosts {
+        let bytes = match (self.interreflects, self.is_exact) {
+            (false, _) => 0.0,
+            (_, true) => 4.0 * self.patches * self.patches,
+            _ => matrix_bytes(self.patches, self.work.trace, &self.density),
+        };
+        let byte = BYTE[usize::from(self.channels > 1)];
+        let pass = 1e-9 * byte * bytes * 2.0 / self.threads.clamp(1, 2) as f64;
+        let balancing = if self.is_exact { BALANCING_EXACT } else { BALANCING };
+        let landing = rays.traced * self.density.landing * LANDING;
+        MatrixCosts { pass, balance: cost(0.0, self.shared(landing) + balancing * pass, bytes) }
+    }
+
+    /// Factors or iterations, the series, and error bars, which count with solving.
+    fn solving(&self, matrix: &MatrixCosts) -> SolvingCosts {
+        let (pass, work) = (matrix.pass, self.work);
+        let factors = distinct_reflectances(self.tracer.scene());
+        let unknowns = work.trace.basis.coefficients() * self.number;
+        let factored = self.interreflects
+            && match work.solving {
+                Solving::Either => is_quickly_factored(unknowns, factors, work.memory),
+                Solving::Factored => true,
+                Solving::Iterated => false,
+            };
+        let orders = orders_for(self.density.reflected, work.tolerance).min(work.order as f64);
+        let (factor, solve) = if factored {
+            let operations = factors as f64 * (unknowns as f64).powi(3) / 3.0;
+            let bytes = 8.0 * factors as f64 * (unknowns as f64).powi(2);
+            (cost(0.0, operations / FACTORING / self.threads as f64, bytes), cost(0.0, 4.0 * pass, 0.0))
+        } else {
+            // Conjugate gradients need about half as many passes, and bounding the error a few more.
+            (Cost::default(), cost(0.0, (0.5 * orders + 8.0) * pass, 5.0 * self.vector))
+        };
+        SolvingCosts {
+            factor,
+            solve: sum(&[solve, cost(0.0, ERRORS * matrix.balance.seconds, 0.0)]),
+            series: cost(0.0, orders * pass, 3.0 * self.vector),
+        }
+    }
+
+    /// Lights without area and the sky.
+    fn lights(&self) -> LightCosts {
+        let &Self { patches, ray, shadow_ray, .. } = self;
+        let (scene, light) = (self.tracer.scene(), self.work.light);
+        let look = f64::from(light.rays);
+        let to_lights = patches * scene.lights().count() as f64 * (look / 4.0).ceil();
+        let to_sky = if scene.sky().is_some() { patches * look } else { 0.0 };
+        // By way of carriers: shots for all patches, and as many rays of theirs into a sky.
+        let throws = self.tracer.has_carriers() && to_lights + to_sky > 0.0;
+        let thrown = |kind: bool| if throws && kind { patches * (look / 4.0).ceil() } else { 0.0 };
+        let (shots, looks) = (thrown(light.caustics == Shots::Shot), thrown(scene.sky().is_some()));
+        let on_the_way = looks * (1.0 + self.density.carried * CARRIERS_MET);
+        LightCosts {
+            lights: cost(to_lights, self.shared(to_lights * shadow_ray), 0.0),
+            sky: cost(to_sky, self.shared(to_sky * shadow_ray), 0.0),
+            carried: cost(
+                shots + looks,
+                self.shared(ray * (shots * (1.0 + CARRIERS_MET) + on_the_way)),
+                9.0 * self.vector * f64::from(u8::from(throws)),
+            ),
+        }
+    }
+
+    /// All of what the stage of this name does.
+    fn direct_light(&self, rays: &RayCosts, LightCosts { lights, sky, carried }: &LightCosts) -> Cost {
+        let [_, looked] = self.lamp_columns(rays);
+        let straight = sum(&[*lights, *sky, looked]);
+        let held = if straight.rays > 0 { self.vector as u64 } else { 0 };
+        sum(&[Cost { bytes: held, ..straight }, *carried])
+    }
+
+    fn receivers(&self) -> Cost {
+        let points: f64 = self.tracer.scene().receivers().iter().map(|receiver| receiver.len() as f64).sum();
+        let looks = points * f64::from(self.work.light.rays);
+        cost(looks, self.shared(looks * self.ray), 0.0)
+    }
+
+    fn render(&self) -> Cost {
+        let [coated, _] = coated_shares(self.tracer);
+        let pixels = self.work.pixels as f64;
+        let seen = pixels * PIXEL_RAYS * (1.0 + (self.density.carried + coated) * PIXEL_CARRIED);
+        cost(0.0, self.shared(pixels * PIXEL + seen * self.ray), pixels * 24.0)
     }
 }
 
