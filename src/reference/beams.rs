@@ -10,20 +10,21 @@ use super::near::near_faces;
 use super::surroundings::Surroundings;
 use crate::scene::{Environment, Light, Sky, SkyKind, SkyShares};
 use crate::trace::sampling::{cosine_hemisphere, frame_around};
-use crate::trace::{IN_PLANE, Interaction, Ray, Tracer};
+use crate::trace::{IN_PLANE, Interaction, Tracer};
 
 /// All lights without area, and the sky.
 #[derive(Debug)]
-pub(super) struct Beams {
+pub(super) struct Beams<'t> {
+    tracer: &'t Tracer<'t>,
     /// Each with the faces near it, to which photons bring its light.
     lights: Vec<(Light, Vec<u32>)>,
     sky: Option<(SkyShares, Sky)>,
     environment: Option<(Arc<Environment>, Surroundings)>,
 }
 
-impl Beams {
+impl<'t> Beams<'t> {
     /// Those of a scene; none where it has none.
-    pub fn new(tracer: &Tracer) -> Option<Self> {
+    pub fn new(tracer: &'t Tracer) -> Option<Self> {
         let scene = tracer.scene();
         let lights: Vec<_> = scene.lights().map(|light| (light.clone(), near_faces(tracer, light))).collect();
         let sky = scene.sky().map(|sky| (sky.shares(), sky.clone()));
@@ -31,7 +32,7 @@ impl Beams {
             Some(SkyKind::Environment(around)) => Some((around.clone(), Surroundings::new(around))),
             _ => None,
         };
-        (!lights.is_empty() || sky.is_some()).then_some(Self { lights, sky, environment })
+        (!lights.is_empty() || sky.is_some()).then_some(Self { tracer, lights, sky, environment })
     }
 
     /// What the sky sends from a direction: a share of the radiance that is left in `radiance` (per channel);
@@ -51,18 +52,17 @@ impl Beams {
     #[inline]
     pub fn look(
         &self,
-        tracer: &Tracer,
         place: &Interaction,
         [u, v, s, t]: [f64; 4],
         scratch: &mut [f64],
         mut arrives: impl FnMut(f64, &[f64]),
     ) {
-        let ray = |direction: DVec3| Ray { origin: place.point, direction, from: place.face };
+        let tracer = self.tracer;
         // Dim the power by the glass it comes through.
         let mut look = |part: f64, direction: DVec3, distance: f64, power: &[f64]| {
             let part = part * place.weight(place.normal.dot(direction));
             scratch.copy_from_slice(power);
-            if tracer.passes(&ray(direction), distance, scratch) {
+            if tracer.passes(&place.ray(direction), distance, scratch) {
                 arrives(part, scratch);
             }
         };

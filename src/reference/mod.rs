@@ -31,11 +31,11 @@ use crate::patches::{MOST_SLOTS, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
 use crate::trace::sampling::{Sequence, Stream};
-use crate::trace::{Hit, Ray, Tracer};
+use crate::trace::{Hit, Ray, RayHit, Tracer};
 use estimate::Half;
-use photons::Thrower;
-use rounds::{first_round, next_round};
-use walk::{Beyond, Met, Numbers, Walker};
+use photons::{Throw, Thrower};
+use rounds::{Round, first_round, next_round};
+use walk::{Beyond, Met, Numbers, Start, Walker};
 
 /// Why no light paths were traced, or not to their end.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -95,6 +95,22 @@ pub struct PathTracer<'t, 's> {
     thrower: Option<Thrower>,
 }
 
+/// A round, when so many paths of so many are done.
+struct Pace {
+    round: Round,
+    done: f64,
+    all: f64,
+}
+
+/// Some batches of a patch and half.
+struct Run {
+    patch: usize,
+    half: usize,
+    batches: Range<u32>,
+    /// Paths of each.
+    size: u32,
+}
+
 impl<'t, 's> PathTracer<'t, 's> {
     /// Makes the scene's lamps known to it.
     pub fn new(tracer: &'t Tracer<'s>) -> Self {
@@ -111,6 +127,7 @@ impl<'t, 's> PathTracer<'t, 's> {
         let walker = &self.walker;
         assert_eq!(radiance.len(), walker.channels, "a value per channel");
         let first = walker.tracer.closest_hit(ray)?;
+        let met = RayHit { ray: *ray, hit: first };
         let mut numbers = Numbers { sequence, point: k, set: 1 };
         let mut colour = vec![1.0; walker.channels];
         let mut weight = vec![0.0; 2 * walker.channels];
@@ -120,7 +137,7 @@ impl<'t, 's> PathTracer<'t, 's> {
                 let seen = emission.iter().zip(weight);
                 radiance.iter_mut().zip(seen).for_each(|(sum, (e, weight))| *sum += part * e * weight);
             };
-            match walker.beyond_carriers(*ray, first, &mut numbers, [&mut colour, scratch], lamp_seen) {
+            match walker.beyond_carriers(met, &mut numbers, [&mut colour, scratch], lamp_seen) {
                 Beyond::Met(met) => met,
                 Beyond::Away { ray: last, .. } => {
                     if let Some(sky) = walker.tracer.scene().sky() {
@@ -148,18 +165,12 @@ impl<'t, 's> PathTracer<'t, 's> {
         let [s, t, way, _] = numbers.next();
         let mut rho = vec![1.0; walker.channels];
         let place = walker.follow(&hit, way, &mut rho);
-        walker.irradiance(
-            place,
-            [s, t],
-            &mut numbers,
-            &mut weight,
-            usize::MAX,
-            |_, part, weight, emission| {
-                for (c, sum) in radiance.iter_mut().enumerate() {
-                    *sum += FRAC_1_PI * colour[c] * rho[c] * part * weight[c] * emission[c];
-                }
-            },
-        );
+        let start = Start { place, first: [s, t], longest: usize::MAX };
+        walker.irradiance(start, &mut numbers, &mut weight, |_, part, weight, emission| {
+            for (c, sum) in radiance.iter_mut().enumerate() {
+                *sum += FRAC_1_PI * colour[c] * rho[c] * part * weight[c] * emission[c];
+            }
+        });
         Some(first)
     }
 
@@ -206,7 +217,8 @@ impl<'t, 's> PathTracer<'t, 's> {
                 _ => next_round(estimate, left),
             };
             let added = (estimate.paths - known) as f64;
-            self.walk(patches, estimate, &round, (added, added + left), options)?;
+            let round = Pace { round, done: added, all: added + left };
+            self.walk(patches, estimate, &round, options)?;
             estimate.note_spread();
             let seconds = began.elapsed().as_secs_f64();
             estimate.seconds = before + seconds;
@@ -216,13 +228,12 @@ impl<'t, 's> PathTracer<'t, 's> {
         Ok(())
     }
 
-    /// Traces the batches of one round, when so many paths of so many are done.
+    /// Traces the batches of one round.
     fn walk(
         &self,
         patches: &Patches,
         estimate: &mut PathTraced,
-        round: &[Vec<u32>; 2],
-        (done, all): (f64, f64),
+        Pace { round, done, all }: &Pace,
         options: &PathOptions,
     ) -> Result<(), Cancelled> {
         let values = (estimate.bounces + 1) * estimate.channels;
@@ -237,7 +248,8 @@ impl<'t, 's> PathTracer<'t, 's> {
                 rows.for_each(|(k, (sums, batches))| {
                     let patch = chunk * CHUNK + k;
                     let range = *batches..*batches + more[patch];
-                    self.batches(patches, (patch, h), range, estimate.batch, sums, options);
+                    let run = Run { patch, half: h, batches: range, size: estimate.batch };
+                    self.run(patches, run, sums, options);
                     *batches += more[patch];
                 });
                 let range = chunk * CHUNK..more.len().min((chunk + 1) * CHUNK);
@@ -246,7 +258,8 @@ impl<'t, 's> PathTracer<'t, 's> {
         }
         if let Some(thrower) = &self.thrower {
             let mut photons = estimate.photons.clone().unwrap_or_default();
-            thrower.throw(&self.walker, patches, &mut photons, paths, options)?;
+            let job = Throw { walker: &self.walker, patches, options };
+            thrower.throw(&job, &mut photons, paths)?;
             estimate.photons = Some(photons);
         }
         estimate.halves = halves;
@@ -254,16 +267,9 @@ impl<'t, 's> PathTracer<'t, 's> {
         Ok(())
     }
 
-    /// Adds the means of some batches of a patch and half, of `size` paths each, to its sums.
-    fn batches(
-        &self,
-        patches: &Patches,
-        (patch, half): (usize, usize),
-        range: Range<u32>,
-        size: u32,
-        sums: &mut [[f64; 2]],
-        options: &PathOptions,
-    ) {
+    /// Adds the means of a run of batches to the sums of its patch.
+    fn run(&self, patches: &Patches, run: Run, sums: &mut [[f64; 2]], options: &PathOptions) {
+        let Run { patch, half, batches, size } = run;
         let channels = self.walker.channels;
         let kept = sums.len() / channels - 1;
         let longest = options.longest.unwrap_or(usize::MAX);
@@ -271,28 +277,22 @@ impl<'t, 's> PathTracer<'t, 's> {
         let offset = 2 * patches.slot_of_patch(patch) + half as u32;
         let mut found = vec![0.0; sums.len()];
         let mut weight = vec![0.0; 2 * channels];
-        for batch in range {
+        for batch in batches {
             let sequence = Stream::Paths.sequence(options.seed, offset, u64::from(batch));
             found.fill(0.0);
             for point in 0..size {
                 let mut numbers = Numbers { sequence, point, set: 0 };
                 let [s, t, x, y] = numbers.next();
-                self.walker.irradiance(
-                    facet.interaction([s, t]),
-                    [x, y],
-                    &mut numbers,
-                    &mut weight,
-                    longest,
-                    |bounce, part, weight, emission| {
-                        for c in 0..channels {
-                            let arrived = part * weight[c] * emission[c];
-                            found[kept * channels + c] += arrived;
-                            if (1..=kept).contains(&bounce) {
-                                found[(bounce - 1) * channels + c] += arrived;
-                            }
+                let start = Start { place: facet.interaction([s, t]), first: [x, y], longest };
+                self.walker.irradiance(start, &mut numbers, &mut weight, |bounce, part, weight, emission| {
+                    for c in 0..channels {
+                        let arrived = part * weight[c] * emission[c];
+                        found[kept * channels + c] += arrived;
+                        if (1..=kept).contains(&bounce) {
+                            found[(bounce - 1) * channels + c] += arrived;
                         }
-                    },
-                );
+                    }
+                });
             }
             for ([sum, squares], found) in sums.iter_mut().zip(&found) {
                 let mean = found / f64::from(size);

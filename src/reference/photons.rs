@@ -19,7 +19,7 @@ use crate::patches::Patches;
 use crate::progress::Cancelled;
 use crate::scene::Light;
 use crate::trace::sampling::{Stream, frame_around, uniform_disc};
-use crate::trace::{Frame, Ray, Tracer};
+use crate::trace::{Frame, Ray, RayHit, Tracer};
 
 /// Photons of each light in a batch.
 const BATCH: u32 = 1024;
@@ -62,6 +62,13 @@ pub(super) struct Thrower {
 struct Ball {
     centre: DVec3,
     radius: f64,
+}
+
+/// Where photons are thrown.
+pub(super) struct Throw<'a> {
+    pub walker: &'a Walker<'a, 'a>,
+    pub patches: &'a Patches<'a>,
+    pub options: &'a PathOptions<'a>,
 }
 
 /// Which photons of a light count.
@@ -107,14 +114,8 @@ impl Thrower {
     }
 
     /// Throws about as many photons as there were paths in a round.
-    pub fn throw(
-        &self,
-        walker: &Walker,
-        patches: &Patches,
-        photons: &mut Photons,
-        paths: u64,
-        options: &PathOptions,
-    ) -> Result<(), Cancelled> {
+    pub fn throw(&self, job: &Throw, photons: &mut Photons, paths: u64) -> Result<(), Cancelled> {
+        let Throw { walker, patches, options } = job;
         let values = (options.bounces + 1) * walker.channels;
         photons.sums.resize(values * patches.len(), [0.0; 2]);
         let batches = (paths / (u64::from(BATCH) * self.lights.len() as u64)).max(FEWEST) as u32;
@@ -125,7 +126,7 @@ impl Thrower {
             let together = (batches - done).min(64);
             let range = first + done..first + done + together;
             let found: Vec<Vec<(usize, f64)>> =
-                range.into_par_iter().map(|batch| self.batch(walker, patches, batch, options)).collect();
+                range.into_par_iter().map(|batch| self.batch(job, batch)).collect();
             for found in found {
                 for run in found.chunk_by(|a, b| a.0 == b.0) {
                     let mean: f64 = run.iter().map(|(_, irradiance)| irradiance).sum();
@@ -141,13 +142,7 @@ impl Thrower {
     }
 
     /// What the photons of one batch bring: values and their parts of the mean irradiance, by value.
-    fn batch(
-        &self,
-        walker: &Walker,
-        patches: &Patches,
-        batch: u32,
-        options: &PathOptions,
-    ) -> Vec<(usize, f64)> {
+    fn batch(&self, &Throw { walker, patches, options }: &Throw, batch: u32) -> Vec<(usize, f64)> {
         let channels = walker.channels;
         let values = (options.bounces + 1) * channels;
         let mut found = Vec::new();
@@ -172,7 +167,8 @@ impl Thrower {
                         }
                     }
                 };
-                follow(walker, (ray, aim), &mut numbers, [weight, scratch], options.longest, arrives);
+                let photon = Photon { ray, aim, longest: options.longest };
+                photon.follow(walker, &mut numbers, [weight, scratch], arrives);
             }
         }
         found.sort_by_key(|&(value, _)| value);
@@ -240,47 +236,62 @@ fn start(light: &Light, aim: Aim, frame: &Frame, [u, v, s, t]: [f64; 4]) -> (Ray
     }
 }
 
-/// Follows a photon to its end: calls `arrives(bounce, met, flux)` wherever it lands.
-fn follow(
-    walker: &Walker,
-    (mut ray, aim): (Ray, Aim),
-    numbers: &mut Numbers,
-    [weight, scratch]: [&mut [f64]; 2],
+/// A photon on its way.
+struct Photon<'a> {
+    ray: Ray,
+    aim: Aim<'a>,
+    /// The most reflections.
     longest: Option<usize>,
-    mut arrives: impl FnMut(usize, &Met, &[f64]),
-) {
-    if largest(weight) <= 0.0 {
-        return;
-    }
-    for bounce in 0.. {
-        let Some(hit) = walker.tracer.closest_hit(&ray) else { return };
-        let met = if walker.tracer.may_go_on(hit.face) {
-            match walker.beyond_carriers(ray, hit, numbers, [&mut *weight, &mut *scratch], |_, _, _| {}) {
-                Beyond::Met(met) => met,
-                Beyond::Away { .. } | Beyond::Nowhere => return,
+}
+
+impl Photon<'_> {
+    /// Follows a photon to its end: calls `arrives(bounce, met, flux)` wherever it lands.
+    fn follow(
+        self,
+        walker: &Walker,
+        numbers: &mut Numbers,
+        [weight, scratch]: [&mut [f64]; 2],
+        mut arrives: impl FnMut(usize, &Met, &[f64]),
+    ) {
+        let Self { mut ray, aim, longest } = self;
+        if largest(weight) <= 0.0 {
+            return;
+        }
+        for bounce in 0.. {
+            let Some(hit) = walker.tracer.closest_hit(&ray) else { return };
+            let met = if walker.tracer.may_go_on(hit.face) {
+                match walker.beyond_carriers(
+                    RayHit { ray, hit },
+                    numbers,
+                    [&mut *weight, &mut *scratch],
+                    |_, _, _| {},
+                ) {
+                    Beyond::Met(met) => met,
+                    Beyond::Away { .. } | Beyond::Nowhere => return,
+                }
+            } else {
+                Met { hit, direction: ray.direction, density: None, is_straight: true }
+            };
+            // All else is looked for from the other end.
+            if bounce == 0 && !aim.counts(&met) {
+                return;
             }
-        } else {
-            Met { hit, direction: ray.direction, density: None, is_straight: true }
-        };
-        // All else is looked for from the other end.
-        if bounce == 0 && !aim.counts(&met) {
-            return;
+            arrives(bounce, &met, weight);
+            if longest.is_some_and(|longest| bounce > longest) {
+                return;
+            }
+            // Reflect, and let chance decide whether what is left is worth another step.
+            let before = largest(weight);
+            let [s, t, chance, way] = numbers.next();
+            let place = walker.follow(&met.hit, way, weight);
+            let survival = largest(weight) / before;
+            if survival == 0.0 || (bounce >= CERTAIN && chance >= survival) {
+                return;
+            }
+            if bounce >= CERTAIN {
+                weight.iter_mut().for_each(|w| *w /= survival);
+            }
+            ray = place.ray(place.direction([s, t]));
         }
-        arrives(bounce, &met, weight);
-        if longest.is_some_and(|longest| bounce > longest) {
-            return;
-        }
-        // Reflect, and let chance decide whether what is left is worth another step.
-        let before = largest(weight);
-        let [s, t, chance, way] = numbers.next();
-        let place = walker.follow(&met.hit, way, weight);
-        let survival = largest(weight) / before;
-        if survival == 0.0 || (bounce >= CERTAIN && chance >= survival) {
-            return;
-        }
-        if bounce >= CERTAIN {
-            weight.iter_mut().for_each(|w| *w /= survival);
-        }
-        ray = Ray { origin: place.point, direction: place.direction([s, t]), from: place.face };
     }
 }

@@ -19,7 +19,7 @@ use super::beams::Beams;
 use super::lights::Lights;
 use crate::scene::{FaceTexture, Side};
 use crate::trace::sampling::Sequence;
-use crate::trace::{Glossy, Hit, IN_PLANE, Interaction, Ray, Tint, Tracer};
+use crate::trace::{Glossy, Hit, IN_PLANE, Interaction, Ray, RayHit, Tint, Tracer};
 
 /// Steps that every walk takes; from then on Russian roulette decides whether it goes on.
 pub(super) const CERTAIN: usize = 3;
@@ -69,12 +69,21 @@ impl Numbers {
     }
 }
 
+/// Where a walk starts.
+pub(super) struct Start<'t> {
+    pub place: Interaction<'t>,
+    /// Its first direction, as a point of the unit square.
+    pub first: [f64; 2],
+    /// No more reflections than these of what lamps emit.
+    pub longest: usize,
+}
+
 /// What a walk needs to know.
 #[derive(Debug)]
 pub(super) struct Walker<'t, 's> {
     pub tracer: &'t Tracer<'s>,
     pub lights: Lights,
-    beams: Option<Beams>,
+    beams: Option<Beams<'t>>,
     pub channels: usize,
     /// Per face and channel.
     reflectance: Vec<f64>,
@@ -163,25 +172,23 @@ impl<'t, 's> Walker<'t, 's> {
         }
     }
 
-    /// Walks on from `place`, first in direction `first` of the unit square. Calls `arrives(k, part, weight,
+    /// Walks on from a start. Calls `arrives(k, part, weight,
     /// emission)` for each part part·weight·emission (per channel) of the irradiance at `place` that,
     /// reflected there, is bounce k of the light: 0 for what comes straight from a light without area.
-    /// `weight` is scratch: two values a channel. No more than `longest` reflections of what lamps emit.
+    /// `weight` is scratch: two values a channel.
     #[inline]
     pub fn irradiance(
         &self,
-        mut place: Interaction<'t>,
-        first: [f64; 2],
+        Start { mut place, first, longest }: Start<'t>,
         numbers: &mut Numbers,
         weight: &mut [f64],
-        longest: usize,
         mut arrives: impl FnMut(usize, f64, &[f64], &[f64]),
     ) {
         let (weight, scratch) = weight.split_at_mut(self.channels);
         weight.fill(1.0);
         let mut direction = first;
         if let Some(beams) = &self.beams {
-            beams.look(self.tracer, &place, numbers.next(), scratch, |part, power| {
+            beams.look(&place, numbers.next(), scratch, |part, power| {
                 arrives(0, part, weight, power);
             });
         }
@@ -194,13 +201,13 @@ impl<'t, 's> Walker<'t, 's> {
             }
             // Go on in a direction of density cos θ/π, or as the coat lets light in.
             let outwards = place.direction(direction);
-            let ray = Ray { origin: place.point, direction: outwards, from: place.face };
-            let Some(first) = self.tracer.closest_hit(&ray) else { return };
-            let met = if self.tracer.may_go_on(first.face) {
+            let ray = place.ray(outwards);
+            let Some(hit) = self.tracer.closest_hit(&ray) else { return };
+            let met = if self.tracer.may_go_on(hit.face) {
                 let lamp_seen = |part: f64, weight: &[f64], emission: &[f64]| {
                     arrives(k + 1, PI * part, weight, emission);
                 };
-                match self.beyond_carriers(ray, first, numbers, [weight, scratch], lamp_seen) {
+                match self.beyond_carriers(RayHit { ray, hit }, numbers, [weight, scratch], lamp_seen) {
                     Beyond::Met(met) => met,
                     Beyond::Away { ray, is_straight: false } => {
                         if let Some(share) =
@@ -215,7 +222,7 @@ impl<'t, 's> Walker<'t, 's> {
                 }
             } else {
                 let density = Some(place.pdf(place.normal.dot(outwards)));
-                Met { hit: first, direction: outwards, density, is_straight: true }
+                Met { hit, direction: outwards, density, is_straight: true }
             };
             let hit = met.hit;
             // Count the lamp that was met.
@@ -232,7 +239,7 @@ impl<'t, 's> Walker<'t, 's> {
             }
             if let Some(beams) = &self.beams {
                 let random = numbers.next();
-                beams.look(self.tracer, &next, random, scratch, |part, power| {
+                beams.look(&next, random, scratch, |part, power| {
                     arrives(k + 1, part, weight, power);
                 });
             }
@@ -251,14 +258,13 @@ impl<'t, 's> Walker<'t, 's> {
         }
     }
 
-    /// Where a ray ends that carriers pass on from `hit`, by one way at each. Its weight takes on their
+    /// Where a ray ends that carriers pass on from where it has met one, by one way at each. Its weight takes on their
     /// colours; beside it there is scratch, both a value a channel. Calls `lamp_seen(part, weight, emission)`
     /// for each part·weight·emission of the radiance that comes straight from a lamp by a rough conductor or
     /// a coat and was looked for there.
     pub fn beyond_carriers(
         &self,
-        mut ray: Ray,
-        mut hit: Hit,
+        RayHit { mut ray, mut hit }: RayHit,
         numbers: &mut Numbers,
         [weight, scratch]: [&mut [f64]; 2],
         mut lamp_seen: impl FnMut(f64, &[f64], &[f64]),

@@ -246,19 +246,27 @@ fn corners_on_edges(tracer: &Tracer, patches: &Patches) -> Vec<Corner> {
     let met = edges.filter_map(|(face, k)| Some((face, k, places.get(&edge_of(tracer, face, k))?)));
     met.flat_map(|(face, k, places)| {
         let others = places.iter().filter(move |place| place.0 != face);
-        others.flat_map(move |&(_, position, same)| on_edge(tracer, patches, face, k, position, same))
+        others.flat_map(move |&(_, position, same)| {
+            on_edge(tracer, patches, EdgePlace { face, edge: k, position, same })
+        })
     })
     .collect()
 }
 
-/// The patches, front and back, at a place on a face's edge `k`.
+/// A place on an edge of a face.
+struct EdgePlace {
+    face: usize,
+    /// From 0; edge k leads from corner k to the next.
+    edge: usize,
+    position: DVec3,
+    same: f64,
+}
+
+/// The patches, front and back, at a place on a face's edge.
 fn on_edge<'a>(
     tracer: &'a Tracer,
     patches: &'a Patches,
-    face: usize,
-    k: usize,
-    position: DVec3,
-    same: f64,
+    EdgePlace { face, edge: k, position, same }: EdgePlace,
 ) -> impl Iterator<Item = Corner> + 'a {
     let corners = tracer.corners(face);
     let [start, end] = [corners[k], corners[(k + 1) % 3]];

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::sampling::{cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
 use super::scattering::Coat;
-use super::{Hit, Tracer, geometry_term};
+use super::{Hit, Ray, Tracer, geometry_term};
 use crate::scene::Side;
 
 /// A point on a side of a face, where light arrives.
@@ -30,6 +30,12 @@ impl<'t> Interaction<'t> {
             normal: tracer.normal(hit.face as usize, hit.side),
             coat: tracer.coat_of(hit.face),
         }
+    }
+
+    /// The ray that leaves in a direction.
+    #[inline]
+    pub fn ray(&self, direction: DVec3) -> Ray {
+        Ray { origin: self.point, direction, from: self.face }
     }
 
     /// A direction in which light is looked for, with density [`Interaction::pdf`].

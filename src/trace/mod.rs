@@ -101,6 +101,15 @@ pub struct Hit {
     pub barycentrics: [f64; 2],
 }
 
+/// A ray, and where it has met a face.
+#[derive(Clone, Copy, Debug)]
+pub struct RayHit {
+    /// The ray.
+    pub ray: Ray,
+    /// Where it ends.
+    pub hit: Hit,
+}
+
 /// What becomes of a ray that meets a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Encounter {

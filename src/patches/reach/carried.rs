@@ -43,7 +43,7 @@ impl Patches<'_> {
                 let sequence = Stream::ReachingShots.sequence(seed, light as u32, block);
                 let shot = targets.shot(tracer, lights, light, sequence.point(point))?;
                 let numbers = |k: u32| sequence.dimensions(point, k + 1);
-                match tracer.follow(&shot.ray, shot.hit, numbers, passes, |_, _, _| {}) {
+                match tracer.follow(shot.met, numbers, passes, |_, _, _| {}) {
                     Destination::Diffuse { hit, .. } => {
                         Some(self.slot_at(hit.face as usize, hit.side, hit.barycentrics))
                     }

@@ -42,6 +42,13 @@ const LAMP_LOOKS: u32 = 32;
 /// of a lamp, or a lamp from a small part of it.
 const CLOSE_LOOKS: u32 = 256;
 
+/// Looks of a slot: points of a random sequence.
+#[derive(Clone)]
+struct Looks {
+    range: Range<u32>,
+    seed: u64,
+}
+
 impl Patches<'_> {
     /// Finds the reached slots and makes them patches.
     pub(crate) fn reach(
@@ -146,7 +153,12 @@ impl Patches<'_> {
             let unasked: Vec<u32> = dark.iter().copied().filter(|&s| seen_by[s as usize].is_none()).collect();
             options.progress.at("patch", 0.6)?;
             let looks = self.look(tracer, &unasked, rays, options.seed);
-            let lamp_looks = self.look_at_lamps(tracer, &lamps, &unasked, (0..LAMP_LOOKS, options.seed));
+            let lamp_looks = self.look_at_lamps(
+                tracer,
+                &lamps,
+                &unasked,
+                Looks { range: 0..LAMP_LOOKS, seed: options.seed },
+            );
             for ((slot, mut landings), on_lamps) in unasked.iter().zip(looks).zip(lamp_looks) {
                 landings.extend(on_lamps);
                 seen_by[*slot as usize] = Some(landings);
@@ -160,10 +172,10 @@ impl Patches<'_> {
                 let mut close = self.on_reached_sides(&dark, &reached);
                 close.retain(|&slot| !looked_close[slot as usize]);
                 close.iter().for_each(|&slot| looked_close[slot as usize] = true);
-                let range = (LAMP_LOOKS..CLOSE_LOOKS, options.seed);
-                let on_lamps = self.look_at_lamps(tracer, &lamps, &close, range.clone());
+                let looks = Looks { range: LAMP_LOOKS..CLOSE_LOOKS, seed: options.seed };
+                let on_lamps = self.look_at_lamps(tracer, &lamps, &close, looks.clone());
                 let is_shone_on = |&(slot, on_lamp): &(u32, Option<u32>)| {
-                    let sees = |lights: &Lights| self.is_shone_on(tracer, lights, slot, range.clone());
+                    let sees = |lights: &Lights| self.is_shone_on(tracer, lights, slot, looks.clone());
                     on_lamp.is_some() || lights.as_ref().is_some_and(sees)
                 };
                 let found = close.into_par_iter().zip(on_lamps).filter(is_shone_on);
@@ -230,14 +242,14 @@ impl Patches<'_> {
         tracer: &Tracer,
         lamps: &Lamps,
         slots: &[u32],
-        (looks, seed): (Range<u32>, u64),
+        Looks { range, seed }: Looks,
     ) -> Vec<Option<u32>> {
         let look_from = |&slot: &u32| {
             let facet = self.facet(tracer, slot);
             // From all of the slot: a lamp may lie below the horizon of its centre alone.
             let view = lamps.view_over(&facet.corners, facet.normal);
             let sequence = Stream::LampLooks.sequence(seed, slot, 0);
-            looks.clone().find_map(|k| {
+            range.clone().find_map(|k| {
                 let [s, t, u, v] = sequence.point(k);
                 let to = lamps.sample(&view, [u, v])?;
                 let from = facet.target(to.point, [s, t]).point;
@@ -254,7 +266,7 @@ impl Patches<'_> {
         let is_lit = |slot: u32| {
             !tracer.is_carrier(self.slot(slot).face as u32)
                 && !self.is_covered(slot)
-                && self.is_shone_on(tracer, lights, slot, (0..LAMP_LOOKS, seed))
+                && self.is_shone_on(tracer, lights, slot, Looks { range: 0..LAMP_LOOKS, seed })
         };
         let mut lit: Vec<bool> = (0..self.slots() as u32).into_par_iter().map(is_lit).collect();
         self.shine_by_carriers(tracer, lights, seed, &mut lit);
@@ -267,16 +279,16 @@ impl Patches<'_> {
         tracer: &Tracer,
         lights: &Lights,
         slot: u32,
-        (mut looks, seed): (Range<u32>, u64),
+        Looks { mut range, seed }: Looks,
     ) -> bool {
         let facet = self.facet(tracer, slot);
         let sequence = Stream::LightLooks.sequence(seed, slot, 0);
         let [mut arrived, mut scratch] = [0, 1].map(|_| vec![0.0; self.scene.channels()]);
-        looks.any(|k| {
+        range.any(|k| {
             let [s, t, u, v] = sequence.point(k);
-            let from = (facet.point([s, t]), facet.face);
             arrived.fill(0.0);
-            lights.add_irradiance(tracer, from, facet.normal, || [u, v], [&mut arrived, &mut scratch]);
+            let place = facet.interaction([s, t]);
+            lights.add_irradiance(tracer, &place, || [u, v], [&mut arrived, &mut scratch]);
             arrived.iter().any(|&x| x > 0.0)
         })
     }

@@ -18,7 +18,7 @@ use crate::patches::{Barycentrics, Patches};
 use crate::render::tone::to_rgb;
 use crate::scene::Side;
 use crate::trace::sampling::Sequence;
-use crate::trace::{Hit, Interaction, LampView, Lamps, Lights, Ray, Tracer};
+use crate::trace::{Hit, Interaction, LampView, Lamps, Lights, Ray, RayHit, Tracer};
 
 /// A camera's ray that has met more carriers than this is given up.
 const MOST_CARRIERS: u32 = 256;
@@ -40,6 +40,23 @@ pub(super) struct Gather<'a, 's> {
     emission: Vec<DVec3>,
     /// Emission of each patch, where textures vary it; else none.
     emitted: Option<Vec<DVec3>>,
+}
+
+/// One look at the scene.
+pub(super) struct Look<'v> {
+    /// The sequence of its random numbers, and its point in it.
+    pub sequence: Sequence,
+    pub point: u32,
+    /// The dimension set of the next numbers for what carriers do; every other one is theirs.
+    pub set: u32,
+    pub views: &'v mut Views,
+}
+
+impl Look<'_> {
+    fn next(&mut self) -> [f64; 4] {
+        self.set += 2;
+        self.sequence.dimensions(self.point, self.set - 2)
+    }
 }
 
 impl<'a, 's> Gather<'a, 's> {
@@ -69,57 +86,49 @@ impl<'a, 's> Gather<'a, 's> {
     }
 
     /// The radiance that comes along a camera's ray, and what the ray met first; none where no light comes.
-    /// Random numbers are those of a point of a sequence, from dimension set 1 on; where the ray meets
-    /// carriers it takes one way at each, by chance, and where that leads outside it sees `away`.
+    /// Where the ray meets carriers it takes one way at each, by chance, and where that leads outside it sees
+    /// `away`.
     pub fn seen_along(
         &self,
         ray: &Ray,
-        numbers: (Sequence, u32),
-        views: &mut Views,
+        look: &mut Look,
         away: impl Fn(&Ray) -> DVec3,
     ) -> Option<(Hit, DVec3)> {
-        let first = self.tracer.closest_hit(ray)?;
-        if self.tracer.may_go_on(first.face) {
-            let seen = self.seen_over_carriers(*ray, first, (numbers, 3), views, away, |hit, views| {
+        let hit = self.tracer.closest_hit(ray)?;
+        if self.tracer.may_go_on(hit.face) {
+            look.set = 3;
+            let seen = self.seen_over_carriers(RayHit { ray: *ray, hit }, look, away, |hit, look| {
                 let lit = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics).is_some();
-                if lit { self.radiance(hit, numbers, views) } else { DVec3::ZERO }
+                if lit { self.radiance(hit, look) } else { DVec3::ZERO }
             });
-            return Some((first, seen));
+            return Some((hit, seen));
         }
-        let lit = self.patches.patch_at(first.face as usize, first.side, first.barycentrics).is_some();
-        lit.then(|| (first, self.radiance(&first, numbers, views)))
+        let lit = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics).is_some();
+        lit.then(|| (hit, self.radiance(&hit, look)))
     }
 
     /// The radiance that comes along a ray which carriers pass on from `hit`, by one way at each; `radiance`
-    /// tells that of diffuse surfaces, `away` that of what lies outside. Random numbers are those of every
-    /// other dimension set from `first_set` on.
+    /// tells that of diffuse surfaces, `away` that of what lies outside.
     fn seen_over_carriers(
         &self,
-        mut ray: Ray,
-        mut hit: Hit,
-        ((sequence, point), first_set): ((Sequence, u32), u32),
-        views: &mut Views,
+        RayHit { mut ray, mut hit }: RayHit,
+        look: &mut Look,
         away: impl Fn(&Ray) -> DVec3,
-        radiance: impl FnOnce(&Hit, &mut Views) -> DVec3,
+        radiance: impl FnOnce(&Hit, &mut Look) -> DVec3,
     ) -> DVec3 {
         let (mut seen, mut colour) = (DVec3::ZERO, DVec3::ONE);
-        let mut set = first_set;
-        let mut next_numbers = || {
-            set += 2;
-            sequence.dimensions(point, set - 2)
-        };
         for _ in 0..MOST_CARRIERS {
             let shine = match (&self.highlights, self.tracer.glossy(&ray, &hit)) {
-                (Some(highlights), Some(glossy)) => Some(highlights.shine(views, glossy, &hit)),
+                (Some(highlights), Some(glossy)) => Some(highlights.shine(look.views, glossy, &hit)),
                 _ => None,
             };
             if let Some(shine) = &shine {
-                let [s, t, ..] = next_numbers();
+                let [s, t, ..] = look.next();
                 seen += colour * shine.of_a_lamp([s, t]);
             }
-            let [way, _, u, v] = next_numbers();
-            let Some(scattered) = self.tracer.scatter(&ray, &hit, [way, u, v], &mut next_numbers) else {
-                return seen + colour * radiance(&hit, views);
+            let [way, _, u, v] = look.next();
+            let Some(scattered) = self.tracer.scatter(&ray, &hit, [way, u, v], || look.next()) else {
+                return seen + colour * radiance(&hit, look);
             };
             colour *= scattered.colour.map_or(DVec3::ONE, rgb_of);
             ray = scattered.ray;
@@ -129,7 +138,7 @@ impl<'a, 's> Gather<'a, 's> {
             let Some(next) = self.tracer.closest_hit(&ray) else { return seen + colour * away(&ray) };
             hit = next;
             if !self.tracer.may_go_on(hit.face) {
-                let radiance = radiance(&hit, views);
+                let radiance = radiance(&hit, look);
                 return seen + colour * shine.map_or(radiance, |shine| shine.left_of(radiance, &ray, &hit));
             }
         }
@@ -138,7 +147,7 @@ impl<'a, 's> Gather<'a, 's> {
 
     /// Radiance that leaves where a ray ended, estimated with random numbers for a point of the lamps and a
     /// direction.
-    fn radiance(&self, hit: &Hit, numbers: (Sequence, u32), views: &mut Views) -> DVec3 {
+    fn radiance(&self, hit: &Hit, look: &mut Look) -> DVec3 {
         let place = Interaction::of(self.tracer, hit);
         let material = self.tracer.scene().faces()[hit.face as usize].material as usize;
         let scene = self.tracer.scene();
@@ -154,25 +163,20 @@ impl<'a, 's> Gather<'a, 's> {
         }
         let mut radiance = emitted;
         if reflectance != DVec3::ZERO {
-            radiance += reflectance * self.arriving((&place, hit.barycentrics), numbers, views);
+            radiance += reflectance * self.arriving(&place, hit.barycentrics, look);
         }
         if let Some(transmittance) = self.transmittance[material] {
-            radiance += transmittance * self.arriving((&place.across(), hit.barycentrics), numbers, views);
+            radiance += transmittance * self.arriving(&place.across(), hit.barycentrics, look);
         }
         radiance
     }
 
     /// H/π at a place.
-    fn arriving(
-        &self,
-        (place, barycentrics): (&Interaction, [f64; 2]),
-        numbers: (Sequence, u32),
-        views: &mut Views,
-    ) -> DVec3 {
-        let [s, t, u, v] = numbers.0.dimensions(numbers.1, 1);
-        let view = &views.seen_at(self.tracer, &self.lamps, (place.face, place.side), place.point).clone();
+    fn arriving(&self, place: &Interaction, barycentrics: Barycentrics, look: &mut Look) -> DVec3 {
+        let [s, t, u, v] = look.sequence.dimensions(look.point, 1);
+        let view = &look.views.seen_at(self.tracer, &self.lamps, place).clone();
         self.light_of_lamps(place, view, [s, t])
-            + self.light_around(place, (view, views), [u, v], numbers)
+            + self.light_around(place, view, [u, v], look)
             + self.light_of_lights(place, [s, t])
             + self.carried_light(place, barycentrics)
     }
@@ -189,13 +193,7 @@ impl<'a, 's> Gather<'a, 's> {
         let Some(lights) = &self.lights else { return DVec3::ZERO };
         let channels = self.tracer.scene().channels();
         let (mut irradiance, mut scratch) = (vec![0.0; channels], vec![0.0; channels]);
-        lights.add_irradiance(
-            self.tracer,
-            (place.point, place.face),
-            place.normal,
-            || random,
-            [&mut irradiance, &mut scratch],
-        );
+        lights.add_irradiance(self.tracer, place, || random, [&mut irradiance, &mut scratch]);
         DVec3::from(to_rgb(&irradiance)) * FRAC_1_PI
     }
 
@@ -226,15 +224,8 @@ impl<'a, 's> Gather<'a, 's> {
     }
 
     /// H/π from where a ray lands that is distributed by the cosine, or as a coat lets light in.
-    fn light_around(
-        &self,
-        place: &Interaction,
-        (view, views): (&LampView, &mut Views),
-        random: [f64; 2],
-        numbers: (Sequence, u32),
-    ) -> DVec3 {
-        let direction = place.direction(random);
-        let ray = Ray { origin: place.point, direction, from: place.face };
+    fn light_around(&self, place: &Interaction, view: &LampView, random: [f64; 2], look: &mut Look) -> DVec3 {
+        let ray = place.ray(place.direction(random));
         let Some(hit) = self.tracer.closest_hit(&ray) else { return DVec3::ZERO };
         let solved = |hit: &Hit| {
             let patch = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics);
@@ -242,14 +233,9 @@ impl<'a, 's> Gather<'a, 's> {
         };
         // What comes by way of carriers is found by such rays, and by looks at lamps from rough metal.
         if self.tracer.may_go_on(hit.face) {
-            return self.seen_over_carriers(
-                ray,
-                hit,
-                (numbers, 2),
-                views,
-                |_| DVec3::ZERO,
-                |hit, _| solved(hit),
-            );
+            look.set = 2;
+            let met = RayHit { ray, hit };
+            return self.seen_over_carriers(met, look, |_| DVec3::ZERO, |hit, _| solved(hit));
         }
         let radiance = solved(&hit);
         if !self.lamps.contains(hit.face as usize, hit.side) {

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::field::rgb_of;
 use crate::render::tone::to_rgb;
 use crate::scene::Side;
-use crate::trace::{Glossy, Hit, IN_PLANE, LampView, Lamps, Ray, Tracer};
+use crate::trace::{Glossy, Hit, IN_PLANE, Interaction, LampView, Lamps, Ray, Tracer};
 
 /// How lamps look from the faces that a pixel shows, each seen from where the pixel's first ray met it. A
 /// view for every ray took half as long again in three scenes and lowered noise in none.
@@ -17,11 +17,12 @@ pub(super) struct Views(Vec<(u32, Side, LampView)>);
 
 impl Views {
     /// How lamps look from this point of a face's side, or from the one that was asked for first.
-    pub fn seen_at(&mut self, tracer: &Tracer, lamps: &Lamps, key: (u32, Side), point: DVec3) -> &LampView {
+    pub fn seen_at(&mut self, tracer: &Tracer, lamps: &Lamps, place: &Interaction) -> &LampView {
+        let key = (place.face, place.side);
         let known = self.0.iter().position(|&(face, side, _)| (face, side) == key);
         let k = known.unwrap_or_else(|| {
             let (corners, normal) = (tracer.corners(key.0 as usize), tracer.normal(key.0 as usize, key.1));
-            self.0.push((key.0, key.1, lamps.view_from(point, (corners, normal))));
+            self.0.push((key.0, key.1, lamps.view_from(place.point, (corners, normal))));
             self.0.len() - 1
         });
         &self.0[k].2
@@ -42,7 +43,8 @@ impl<'a, 's> Highlights<'a, 's> {
 
     /// What a point of a metal that was met shows of lamps.
     pub fn shine<'v>(&'v self, views: &mut Views, glossy: Glossy<'v>, hit: &Hit) -> Shine<'v> {
-        let view = views.seen_at(self.tracer, &self.lamps, (hit.face, hit.side), glossy.point()).clone();
+        let place = Interaction { point: glossy.point(), ..Interaction::of(self.tracer, hit) };
+        let view = views.seen_at(self.tracer, &self.lamps, &place).clone();
         Shine { tracer: self.tracer, lamps: &self.lamps, view, glossy, face: hit.face }
     }
 }

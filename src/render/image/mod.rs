@@ -38,7 +38,7 @@ use lens::Lens;
 use numbers::Numbers;
 use outlines::dimming;
 use painted::Painted;
-use reflections::{Chances, seen_along};
+use reflections::Chances;
 use samples::{FEW, MANY, Samples, Seen, rough_pixels, stratified};
 
 /// How radiance is found where a camera ray ends.
@@ -316,11 +316,13 @@ impl<'a, 's> View<'a, 's> {
                     };
                     let pixel = (y * self.options.width + x) as u64;
                     let chances = Chances::new(self.options.seed, pixel, k);
-                    let highlights = self.highlights.as_ref();
-                    seen_along(self.tracer, highlights, ray, (chances, &mut views), &away, &radiance)
+                    let (tracer, highlights) = (self.tracer, self.highlights.as_ref());
+                    let (away, radiance, views) = (&away, &radiance, &mut views);
+                    reflections::Look { tracer, highlights, chances, views, away, radiance }.seen_along(ray)
                 }),
                 Sight::Gather(gather) => {
-                    self.look(anywhere(), |ray| gather.seen_along(ray, (sequence, place), &mut views, away))
+                    let mut look = gather::Look { sequence, point: place, set: 0, views: &mut views };
+                    self.look(anywhere(), |ray| gather.seen_along(ray, &mut look, away))
                 }
                 Sight::Path(paths) => self.look(anywhere(), |ray| {
                     channels.fill(0.0);

@@ -30,26 +30,6 @@ impl Chances {
     }
 }
 
-/// The radiance that comes along `ray` by all ways over carriers, and what the ray met first; `radiance`
-/// tells that of diffuse surfaces, `away` that of what lies outside.
-pub(super) fn seen_along(
-    tracer: &Tracer,
-    highlights: Option<&Highlights>,
-    ray: &Ray,
-    (chances, views): (Chances, &mut Views),
-    away: &impl Fn(&Ray) -> DVec3,
-    radiance: &impl Fn(&Hit) -> Option<DVec3>,
-) -> Option<(Hit, DVec3)> {
-    let hit = tracer.closest_hit(ray)?;
-    match tracer.may_go_on(hit.face) {
-        false => Some((hit, radiance(&hit)?)),
-        true => {
-            let mut look = Look { tracer, highlights, chances, views, away, radiance };
-            Some((hit, look.over_carriers(ray, &hit, Way { part: DVec3::ONE, depth: 0, point: None })))
-        }
-    }
-}
-
 /// A way that is followed.
 #[derive(Clone, Copy)]
 struct Way {
@@ -62,16 +42,30 @@ struct Way {
 }
 
 /// All it takes to follow the ways of one look.
-struct Look<'a, 's, A, R> {
-    tracer: &'a Tracer<'s>,
-    highlights: Option<&'a Highlights<'a, 's>>,
-    chances: Chances,
-    views: &'a mut Views,
-    away: &'a A,
-    radiance: &'a R,
+pub(super) struct Look<'a, 's, A, R> {
+    pub tracer: &'a Tracer<'s>,
+    pub highlights: Option<&'a Highlights<'a, 's>>,
+    pub chances: Chances,
+    pub views: &'a mut Views,
+    /// The radiance of what lies outside.
+    pub away: &'a A,
+    /// The radiance of diffuse surfaces.
+    pub radiance: &'a R,
 }
 
 impl<A: Fn(&Ray) -> DVec3, R: Fn(&Hit) -> Option<DVec3>> Look<'_, '_, A, R> {
+    /// The radiance that comes along `ray` by all ways over carriers, and what the ray met first.
+    pub fn seen_along(&mut self, ray: &Ray) -> Option<(Hit, DVec3)> {
+        let hit = self.tracer.closest_hit(ray)?;
+        match self.tracer.may_go_on(hit.face) {
+            false => Some((hit, (self.radiance)(&hit)?)),
+            true => {
+                let whole = Way { part: DVec3::ONE, depth: 0, point: None };
+                Some((hit, self.over_carriers(ray, &hit, whole)))
+            }
+        }
+    }
+
     /// The part of what is seen that comes by way of a carrier, or from a coat and from under it.
     fn over_carriers(&mut self, ray: &Ray, hit: &Hit, way: Way) -> DVec3 {
         let Some(glossy) = self.tracer.glossy(ray, hit) else {

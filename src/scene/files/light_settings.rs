@@ -16,10 +16,9 @@ use super::beside::Beside;
 use super::colour::Colour;
 use super::picture_file;
 use super::text::decode;
-use crate::scene::Light;
-use crate::scene::Pixels;
 use crate::scene::light::{Environment, IntensityTable, SPHERE, Sky, SkyKind, check_power, spot_solid_angle};
 use crate::scene::photometry::luminance;
+use crate::scene::{Light, Pixels};
 
 #[derive(Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]

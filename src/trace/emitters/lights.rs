@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::sky::SkySampler;
 use crate::scene::Light;
 use crate::trace::sampling::{frame_around, uniform_disc, uniform_spherical_triangle, uniform_triangle};
-use crate::trace::{IN_PLANE, Ray, Tracer};
+use crate::trace::{IN_PLANE, Interaction, Tracer};
 
 /// A triangle that fills more than this, sr, seen from a light over it by less than this part of the root of
 /// its area, is lit so unevenly that points of it are drawn by solid angle.
@@ -204,42 +204,27 @@ impl Lights {
         [s, weight(b - a, point - a).min(1.0 - s)]
     }
 
-    /// Whether a beam gets to a point of a face; `parts` is multiplied by what thin glass leaves of it, per
-    /// channel.
-    #[inline]
-    pub fn arrives(
-        &self,
-        tracer: &Tracer,
-        beam: &Beam,
-        (point, face): (DVec3, u32),
-        parts: &mut [f64],
-    ) -> bool {
-        let ray = Ray { origin: point, direction: beam.direction, from: face };
-        tracer.passes(&ray, beam.distance, parts)
-    }
-
     /// Adds to `irradiance` (per channel, W·m⁻²) what reaches a point of a face's side, by one beam from each
     /// light and one from the sky; unbiased. `random` gives numbers for each; `scratch` has a value a
     /// channel.
-    pub fn add_irradiance(
+    pub(crate) fn add_irradiance(
         &self,
         tracer: &Tracer,
-        (point, face): (DVec3, u32),
-        normal: DVec3,
+        place: &Interaction,
         mut random: impl FnMut() -> [f64; 2],
         [irradiance, scratch]: [&mut [f64]; 2],
     ) {
-        let weight_at = |cosine: f64| tracer.coat_of(face).map_or(1.0, |coat| coat.weight(cosine));
+        let normal = place.normal;
         for light in 0..self.len() {
-            let beam = self.beam(light, point, random());
+            let beam = self.beam(light, place.point, random());
             let cosine = normal.dot(beam.direction);
-            let weight = beam.density * beam.share * cosine * weight_at(cosine);
+            let weight = beam.density * beam.share * cosine * place.weight(cosine);
             scratch.fill(1.0);
             let is_above = cosine * beam.distance.min(1.0) > IN_PLANE;
             if is_above
                 && weight > 0.0
                 && weight.is_finite()
-                && self.arrives(tracer, &beam, (point, face), scratch)
+                && tracer.passes(&place.ray(beam.direction), beam.distance, scratch)
             {
                 let powers = self.power(light).iter().zip(&*scratch);
                 irradiance
@@ -250,10 +235,9 @@ impl Lights {
         }
         if let Some(sky) = &self.sky {
             let beam = sky.sample(normal, random());
-            let ray = Ray { origin: point, direction: beam.direction, from: face };
             scratch.fill(1.0);
-            if beam.weight > 0.0 && tracer.passes(&ray, f64::INFINITY, scratch) {
-                let weight = beam.weight * weight_at(normal.dot(beam.direction));
+            if beam.weight > 0.0 && tracer.passes(&place.ray(beam.direction), f64::INFINITY, scratch) {
+                let weight = beam.weight * place.weight(normal.dot(beam.direction));
                 let zenith = sky.zenith().iter().zip(&*scratch).enumerate();
                 let sums = irradiance.iter_mut().zip(zenith);
                 sums.for_each(|(sum, (c, (zenith, part)))| *sum += weight * beam.tint(c) * zenith * part);

@@ -15,7 +15,7 @@ use super::lights::{Lights, Place, solid_angle};
 use super::sky::{SkyBeam, SkySampler};
 use crate::scene::{FaceState, Light, Side};
 use crate::trace::sampling::{frame_around, uniform_spherical_triangle, uniform_triangle};
-use crate::trace::{Hit, Ray, Tracer};
+use crate::trace::{Hit, Ray, RayHit, Tracer};
 
 /// Farther away than this, normalised, there is nothing of the scene.
 const OUTSIDE: f64 = 4.0;
@@ -51,10 +51,8 @@ struct Aim {
 /// A ray from a light that meets a carrier first.
 #[derive(Clone, Copy, Debug)]
 pub struct Shot {
-    /// The ray, from the light or from outside of the scene.
-    pub ray: Ray,
-    /// The carrier that it meets.
-    pub hit: Hit,
+    /// The ray, from the light or from outside of the scene, and the carrier that it meets.
+    pub met: RayHit,
     /// Flux by density of the shot, as a part of the light's power, per unit of normalised area.
     pub worth: f64,
 }
@@ -62,10 +60,8 @@ pub struct Shot {
 /// A ray from the sky that meets a carrier first.
 #[derive(Clone, Copy, Debug)]
 pub struct SkyShot {
-    /// The ray, from outside of the scene.
-    pub ray: Ray,
-    /// The carrier that it meets.
-    pub hit: Hit,
+    /// The ray, from outside of the scene, and the carrier that it meets.
+    pub met: RayHit,
     /// Radiance as a share of the zenith's, and tint.
     pub beam: SkyBeam,
     /// Density of such shots, see [`Targets::sky_density`].
@@ -125,7 +121,7 @@ impl Targets {
                     }
                     None => to_face,
                 };
-                (density > 0.0).then_some(Shot { ray, hit, worth: share / density })
+                (density > 0.0).then_some(Shot { met: RayHit { ray, hit }, worth: share / density })
             }
             (_, Place::Towards(..)) => {
                 let [choice, u, s, t] = random;
@@ -137,7 +133,7 @@ impl Targets {
                 // A face catches what crosses its area, seen along the beam.
                 let cosine = tracer.normal(face as usize, Side::Front).dot(beam.direction).abs();
                 let caught = beam.density * cosine * area(tracer.corners(face as usize));
-                Some(Shot { ray, hit, worth: caught / self.chance(aim, face) })
+                Some(Shot { met: RayHit { ray, hit }, worth: caught / self.chance(aim, face) })
             }
         }
     }
@@ -159,7 +155,7 @@ impl Targets {
         let point = point(tracer.corners(face as usize), [fresh, u]);
         let (ray, hit) = from_outside(tracer, point, beam.direction, face)?;
         let density = self.sky_density(tracer, sky, face, beam.direction);
-        Some(SkyShot { ray, hit, beam, density })
+        Some(SkyShot { met: RayHit { ray, hit }, beam, density })
     }
 
     /// Density of sky shots that meet a face from a direction, per unit of area across the ray and of solid

@@ -15,7 +15,7 @@ use super::gloss::Gloss;
 use super::tint::Tint;
 use crate::scene::{Side, Surface};
 use crate::trace::sampling::frame_around;
-use crate::trace::{Finish, Hit, Ray, SKIN, Tracer};
+use crate::trace::{Finish, Hit, Ray, RayHit, SKIN, Tracer};
 
 /// A ray that has met more carriers than this is given up as lost.
 const LONGEST: u32 = 256;
@@ -253,22 +253,20 @@ impl<'s> Tracer<'s> {
         match self.closest_hit(ray) {
             None => Destination::Away(*ray),
             Some(hit) if !self.may_go_on(hit.face) => Destination::Diffuse { hit, carried: false },
-            Some(hit) => self.follow(ray, hit, numbers, survives, |_, _, _| {}),
+            Some(hit) => self.follow(RayHit { ray: *ray, hit }, numbers, survives, |_, _, _| {}),
         }
     }
 
-    /// Follows a ray on from the carrier that it meets at `hit`, as [`Tracer::destination`] does; calls
+    /// Follows a ray on from the carrier that it has met, as [`Tracer::destination`] does; calls
     /// `met(before, hit, after)` with the ray before and after each carrier.
     #[inline]
     pub fn follow(
         &self,
-        ray: &Ray,
-        mut hit: Hit,
+        RayHit { mut ray, mut hit }: RayHit,
         mut numbers: impl FnMut(u32) -> [f64; 4],
         mut survives: impl FnMut(Tint, f64) -> bool,
         mut met: impl FnMut(&Ray, &Hit, &Ray),
     ) -> Destination {
-        let mut ray = *ray;
         let mut taken = 0;
         let mut next_numbers = || {
             taken += 1;

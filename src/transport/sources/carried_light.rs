@@ -20,7 +20,7 @@ use super::{LightOptions, PARTS};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream, uniform_triangle};
-use crate::trace::{Destination, Hit, Lights, Ray, SkySampler, Targets, Tint, Tracer};
+use crate::trace::{Destination, Lights, RayHit, SkySampler, Targets, Tint, Tracer};
 use crate::transport::exchange::Mass;
 use crate::transport::rows::Shots;
 
@@ -134,14 +134,14 @@ struct Course {
 impl Search<'_> {
     /// Follows a ray over carriers; `left` is multiplied by what they leave of it, per channel.
     #[inline]
-    fn follow(&self, ray: &Ray, hit: Hit, (sequence, point): (Sequence, u32), left: &mut [f64]) -> Course {
+    fn follow(&self, met: RayHit, (sequence, point): (Sequence, u32), left: &mut [f64]) -> Course {
         let mut is_straight = true;
         let numbers = |k: u32| sequence.dimensions(point, k + 1);
         let dims = |tint: Tint, _: f64| {
             left.iter_mut().zip(tint.parts()).for_each(|(left, part)| *left *= part);
             left.iter().any(|&left| left > 0.0)
         };
-        let end = self.tracer.follow(ray, hit, numbers, dims, |before, hit, after| {
+        let end = self.tracer.follow(met, numbers, dims, |before, hit, after| {
             is_straight &= self.tracer.goes_straight(before, hit, after);
         });
         Course { end, is_straight }
@@ -154,7 +154,7 @@ impl Search<'_> {
 
     /// Looks from every patch into the sky.
     fn look_into(&mut self, sky: &SkySampler) -> Result<(), Cancelled> {
-        let (each, channels, per_part) = (self.per_patch(), self.channels, self.per_part);
+        let (each, channels) = (self.per_patch(), self.channels);
         let mut moments = std::mem::take(&mut self.moments);
         let mut absorbed = vec![0.0; CHUNK * channels];
         for (chunk, rows) in moments.chunks_mut(CHUNK * each).enumerate() {
@@ -162,7 +162,7 @@ impl Search<'_> {
             absorbed.fill(0.0);
             let kept = absorbed.par_chunks_mut(channels);
             rows.par_chunks_mut(each).zip(kept).enumerate().for_each(|(k, (row, kept))| {
-                self.look_from(chunk * CHUNK + k, sky, per_part, row, kept);
+                self.look_from(chunk * CHUNK + k, sky, row, kept);
             });
             for kept in absorbed.chunks_exact(channels) {
                 self.absorbed.iter_mut().zip(kept).for_each(|(sum, kept)| *sum += kept);
@@ -173,7 +173,8 @@ impl Search<'_> {
     }
 
     /// Looks from one patch into the sky.
-    fn look_from(&self, patch: usize, sky: &SkySampler, per_part: u32, row: &mut [f64], kept: &mut [f64]) {
+    fn look_from(&self, patch: usize, sky: &SkySampler, row: &mut [f64], kept: &mut [f64]) {
+        let per_part = self.per_part;
         let slot = self.patches.slot_of_patch(patch);
         let facet = self.patches.facet(self.tracer, slot);
         let own = (per_part as usize * PARTS) as f64 / (PI * self.patches.normalised_etendues()[patch]);
@@ -190,7 +191,7 @@ impl Search<'_> {
                 }
                 left.fill(1.0);
                 let Course { end: Destination::Away(last), is_straight: false } =
-                    self.follow(&ray, hit, (sequence, point), &mut left)
+                    self.follow(RayHit { ray, hit }, (sequence, point), &mut left)
                 else {
                     continue;
                 };
@@ -218,7 +219,7 @@ impl Search<'_> {
         let one = |search: &Self, random: [f64; 4], flux: &mut [f64]| {
             let shot = search.targets.shot(search.tracer, search.lights, light, random)?;
             flux.iter_mut().zip(&power).for_each(|(flux, power)| *flux = power * shot.worth / count);
-            Some((shot.ray, shot.hit, 0.0))
+            Some((shot.met, 0.0))
         };
         self.shoot_all((Stream::LightShots, light as u32), one)
     }
@@ -232,7 +233,7 @@ impl Search<'_> {
             let radiance =
                 sky.zenith().iter().enumerate().map(|(c, zenith)| zenith * beam.tint(c) * beam.weight);
             flux.iter_mut().zip(radiance).for_each(|(flux, radiance)| *flux = radiance);
-            Some((shot.ray, shot.hit, shot.density * count))
+            Some((shot.met, shot.density * count))
         };
         self.shoot_all((Stream::SkyShots, 0), one)
     }
@@ -242,7 +243,7 @@ impl Search<'_> {
     fn shoot_all(
         &mut self,
         (stream, offset): (Stream, u32),
-        one: impl Fn(&Self, [f64; 4], &mut [f64]) -> Option<(Ray, Hit, f64)> + Sync,
+        one: impl Fn(&Self, [f64; 4], &mut [f64]) -> Option<(RayHit, f64)> + Sync,
     ) -> Result<(), Cancelled> {
         let (each, channels) = (self.per_patch(), self.channels);
         let of_part = each / PARTS;
@@ -276,14 +277,14 @@ impl Search<'_> {
         &self,
         sequence: Sequence,
         points: std::ops::Range<u32>,
-        one: impl Fn(&Self, [f64; 4], &mut [f64]) -> Option<(Ray, Hit, f64)>,
+        one: impl Fn(&Self, [f64; 4], &mut [f64]) -> Option<(RayHit, f64)>,
     ) -> Found {
         let mut found = Found { lost: vec![0.0; self.channels], ..Found::default() };
         let (mut flux, mut left) = (vec![0.0; self.channels], vec![1.0; self.channels]);
         for point in points {
-            let Some((ray, hit, density)) = one(self, sequence.point(point), &mut flux) else { continue };
+            let Some((met, density)) = one(self, sequence.point(point), &mut flux) else { continue };
             left.fill(1.0);
-            let course = self.follow(&ray, hit, (sequence, point), &mut left);
+            let course = self.follow(met, (sequence, point), &mut left);
             match course.end {
                 Destination::Diffuse { hit, .. } if !course.is_straight => {
                     let place = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics);

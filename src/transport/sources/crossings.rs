@@ -106,7 +106,7 @@ pub fn add_crossings(
                 left.iter().any(|left| left.get() > 0.0)
             };
             let numbers = |k: u32| sequence.dimensions(point, k + 1);
-            let end = tracer.follow(&shot.ray, shot.hit, numbers, dims, |before, hit, after| {
+            let end = tracer.follow(shot.met, numbers, dims, |before, hit, after| {
                 if let Some((ray, left)) = &leg {
                     cross(ray, hit.distance, left);
                 }

@@ -204,6 +204,15 @@ struct Look<'a> {
     channels: usize,
 }
 
+/// A patch and a light that it looks at.
+struct LightLook<'a> {
+    light: usize,
+    slot: u32,
+    facet: Facet<'a>,
+    /// The light's mean density there, if known.
+    mean: Option<f64>,
+}
+
 impl Look<'_> {
     /// Adds ∫ φ_a H₀ dA over a patch to `moments`, a row of channels for each of the basis functions `phi`;
     /// and after that, for each part of the rays, by how much more it finds.
@@ -231,7 +240,7 @@ impl Look<'_> {
             if mean == Some(0.0) {
                 continue;
             }
-            let mut seen = self.seen_of(light, (slot, &facet), mean, &phi);
+            let mut seen = self.seen_of(LightLook { light, slot, facet, mean }, &phi);
             let whole: f64 = seen[0].whole.iter().sum();
             // Scale to what is known of all rays together.
             let scale = match mean {
@@ -274,12 +283,10 @@ impl Look<'_> {
     }
 
     /// What rays from a patch to a light find, each weighted by what it would bring if nothing stood in its
-    /// way; `mean` is the light's mean density there, if known.
+    /// way.
     fn seen_of<const N: usize>(
         &self,
-        light: usize,
-        (slot, facet): (u32, &Facet),
-        mean: Option<f64>,
+        LightLook { light, slot, facet, mean }: LightLook,
         phi: impl Fn([f64; 2]) -> [f64; N],
     ) -> Vec<Parts<N>> {
         let [a, b, c] = facet.corners;
@@ -307,8 +314,8 @@ impl Look<'_> {
             seen.iter_mut().for_each(|seen| seen.whole[part] += weight);
             left.fill(1.0);
             let coated = facet.weight(beam.direction);
-            let place = (point, facet.face);
-            if beam.share > 0.0 && self.lights.arrives(self.tracer, &beam, place, &mut left) {
+            let ray = Ray { origin: point, direction: beam.direction, from: facet.face };
+            if beam.share > 0.0 && self.tracer.passes(&ray, beam.distance, &mut left) {
                 for (seen, left) in seen.iter_mut().zip(&left) {
                     seen.add(part, weight * coated * beam.share * left, phi(at));
                 }

@@ -17,7 +17,7 @@ use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::scene::{Receiver, Side};
 use crate::trace::sampling::{Stream, cosine_hemisphere, frame_around};
-use crate::trace::{Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term};
+use crate::trace::{Destination, Interaction, Lamps, Lights, Ray, RayHit, Tint, Tracer, geometry_term};
 use crate::transport::rows::Tones;
 
 /// Points between two reports of progress.
@@ -105,6 +105,14 @@ struct Gather<'a, 's> {
     tones: Tones,
 }
 
+/// A point of a face's side.
+#[derive(Clone, Copy)]
+struct FacePoint {
+    face: usize,
+    side: Side,
+    barycentrics: [f64; 2],
+}
+
 impl Gather<'_, '_> {
     /// The row of a point, for each tone; adds what its rays find of the sky by way of carriers to its direct
     /// light.
@@ -133,7 +141,7 @@ impl Gather<'_, '_> {
             let end = match self.tracer.closest_hit(&ray) {
                 None => Destination::Away(ray),
                 Some(hit) if !self.tracer.may_go_on(hit.face) => Destination::Diffuse { hit, carried: false },
-                Some(hit) => self.tracer.follow(&ray, hit, numbers, dims, |before, hit, after| {
+                Some(hit) => self.tracer.follow(RayHit { ray, hit }, numbers, dims, |before, hit, after| {
                     is_straight &= self.tracer.goes_straight(before, hit, after);
                 }),
             };
@@ -157,16 +165,18 @@ impl Gather<'_, '_> {
                 } else {
                     1.0 / rays
                 };
+                let place = FacePoint { face, side: hit.side, barycentrics: hit.barycentrics };
                 for (row, part) in rows.iter_mut().zip(&colour) {
-                    self.push(row, (face, hit.side), hit.barycentrics, weight * part);
+                    self.push(row, place, weight * part);
                 }
             }
             let Some(lamp) = self.lamps.sample(&view, [u, v]) else { continue };
             let g = geometry_term((point, self.normal), (lamp.point, lamp.normal));
             if g > 0.0 && self.tracer.unoccluded((point, Ray::FREE), (lamp.point, lamp.face)) {
-                let place = (lamp.face as usize, Side::Front);
+                let (face, barycentrics) = (lamp.face as usize, lamp.barycentrics);
+                let place = FacePoint { face, side: Side::Front, barycentrics };
                 for row in &mut rows {
-                    self.push(row, place, lamp.barycentrics, share(g, lamp.pdf));
+                    self.push(row, place, share(g, lamp.pdf));
                 }
             }
         }
@@ -179,13 +189,8 @@ impl Gather<'_, '_> {
     }
 
     /// Adds a form factor to where it belongs: the patch, or its corners.
-    fn push(
-        &self,
-        row: &mut Vec<(u32, f64)>,
-        (face, side): (usize, Side),
-        barycentrics: [f64; 2],
-        weight: f64,
-    ) {
+    fn push(&self, row: &mut Vec<(u32, f64)>, place: FacePoint, weight: f64) {
+        let FacePoint { face, side, barycentrics } = place;
         let Some(patch) = self.patches.patch_at(face, side, barycentrics) else { return };
         match self.basis {
             Basis::Constant => row.push((patch as u32, weight)),
@@ -201,17 +206,13 @@ impl Gather<'_, '_> {
         let Some(lights) = &self.lights else { return };
         let mut scratch = vec![0.0; direct.len()];
         let (sequence, points) = Stream::ReceiverLights.stretch(self.seed, place, 0, self.rays);
+        let place =
+            Interaction { face: Ray::FREE, side: Side::Front, point, normal: self.normal, coat: None };
         for k in points {
             let [u, v, s, t] = sequence.point(k);
             let mut numbers = [[u, v], [s, t]].into_iter().cycle();
             let mut random = || numbers.next().unwrap_or([u, v]);
-            lights.add_irradiance(
-                self.tracer,
-                (point, Ray::FREE),
-                self.normal,
-                &mut random,
-                [direct, &mut scratch],
-            );
+            lights.add_irradiance(self.tracer, &place, &mut random, [direct, &mut scratch]);
         }
         direct.iter_mut().for_each(|h| *h /= f64::from(self.rays));
     }
