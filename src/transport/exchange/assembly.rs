@@ -5,23 +5,18 @@ use rayon::prelude::*;
 use sprs::CsMatI;
 
 use super::moments;
-use super::raw::{ESCAPED, Leaving, Outcome, Raw, has_carriers};
+use super::raw::{ESCAPED, Leaving, Outcome, Raw, Selection, has_carriers};
 use super::storage::{Storage, StorageKind};
 use crate::patches::{Basis, Patches};
 use crate::transport::rows::{BATCHES, Rows};
 
-/// Sums up what the rows of all patches found in a tone; without batch `left_out`, if there is one.
-pub fn assemble(
-    rows: &Rows,
-    patches: &Patches,
-    tone: usize,
-    kind: StorageKind,
-    left_out: Option<u32>,
-) -> Raw {
+/// Sums up what the rows of all patches found.
+pub fn assemble(selection: &Selection, kind: StorageKind) -> Raw {
+    let &Selection { rows, patches, tone, left_out } = selection;
     let n = patches.len();
     let is_lamp: Vec<bool> = (0..n).map(|i| rows.is_lamp(patches, i)).collect();
     if rows.recipe.basis == Basis::Linear {
-        return moments::assemble(rows, patches, tone, kind, left_out, &is_lamp);
+        return moments::assemble(selection, kind, &is_lamp);
     }
     let finder = Finder { rows, patches, tone, is_lamp: &is_lamp, left_out };
     let (parts, leaving): (Vec<Vec<Part>>, Vec<[f64; 3]>) =

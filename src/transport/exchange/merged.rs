@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use sprs::CsMatI;
 
 use super::storage::Storage;
-use super::{Ends, Exchange};
+use super::{Ends, Exchange, ExchangeParts};
 
 impl Exchange {
     /// The exchange areas S_IJ = Σ S_(ia)(jb) between groups of patches, with constant elements on each: what
@@ -55,7 +55,8 @@ impl Exchange {
         let mass = self.mass().of_groups(over(&|k| self.sums()[k]));
         let scale = DVector::repeat(groups, 1.0);
         let ends = Ends { leaving, in_carriers, slack: over(&|k| self.ends().slack[k]) };
-        Self::from_raw(storage, scale, ends, mass, *self.closure(), 1.0)
+        let parts = ExchangeParts { storage, scale, ends, closure: *self.closure(), shrinkage: 1.0 };
+        Self::from_parts(parts, mass)
     }
 }
 

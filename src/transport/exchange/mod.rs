@@ -21,8 +21,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sprs::CsMatI;
 
-use super::rows::Rows;
-use crate::patches::{Basis, Patches};
+use crate::patches::Basis;
 use crate::progress::{Cancelled, Progress};
 use assembly::assemble;
 pub use balance::Closure;
@@ -33,8 +32,8 @@ pub(super) use blocks::MANY;
 pub use mass::Mass;
 use mass::shrink;
 pub(super) use polygons::exact;
-pub(super) use raw::Outcome;
 use raw::{Leaving, Raw};
+pub(super) use raw::{Outcome, Selection};
 pub use storage::{Storage, StorageKind};
 
 /// Exchange areas between the N coefficients of patches, and what escapes from each.
@@ -58,6 +57,15 @@ pub(crate) struct Ends {
     pub in_carriers: Option<[DVector<f64>; 2]>,
     /// What rows that could not be closed lack, N values: (M·1)_i less Σ_j S_ij and what leaves.
     pub slack: DVector<f64>,
+}
+
+/// All of exchange areas but their mass.
+pub(crate) struct ExchangeParts {
+    pub storage: Storage,
+    pub scale: DVector<f64>,
+    pub ends: Ends,
+    pub closure: Closure,
+    pub shrinkage: f64,
 }
 
 impl Ends {
@@ -204,31 +212,22 @@ impl Exchange {
         Self { storage, scale: DVector::repeat(n, 1.0), ends, mass, closure, shrinkage: 1.0 }
     }
 
-    /// Turns the rows of patches into raw exchange areas of a tone and balances them; without batch
-    /// `left_out`, if there is one.
+    /// Turns the rows of patches into raw exchange areas and balances them.
     pub(crate) fn from_rows(
-        rows: &Rows,
-        (patches, tone): (&Patches, usize),
+        selection: &Selection,
         kind: StorageKind,
-        left_out: Option<u32>,
         progress: Progress,
     ) -> Result<Self, Cancelled> {
-        let raw = assemble(rows, patches, tone, kind, left_out);
-        let basis = rows.recipe.basis;
-        let rays = rows.recipe.count.rays / basis.coefficients() as u32;
-        let mass = Mass::of(basis, patches);
+        let raw = assemble(selection, kind);
+        let recipe = selection.rows.recipe;
+        let rays = recipe.count.rays / recipe.basis.coefficients() as u32;
+        let mass = Mass::of(recipe.basis, selection.patches);
         Self::balanced(raw, mass, balance::most_scale(Some(rays)), progress)
     }
 
     /// What was balanced before.
-    pub(crate) fn from_raw(
-        storage: Storage,
-        scale: DVector<f64>,
-        ends: Ends,
-        mass: Mass,
-        closure: Closure,
-        shrinkage: f64,
-    ) -> Self {
+    pub(crate) fn from_parts(parts: ExchangeParts, mass: Mass) -> Self {
+        let ExchangeParts { storage, scale, ends, closure, shrinkage } = parts;
         Self { storage, scale, ends, mass, closure, shrinkage }
     }
 

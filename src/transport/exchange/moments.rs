@@ -5,20 +5,14 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::blocks::{Blocks, Findings};
-use super::raw::{ESCAPED, Leaving, Outcome, Raw, has_carriers};
+use super::raw::{ESCAPED, Leaving, Outcome, Raw, Selection, has_carriers};
 use super::storage::{Storage, StorageKind};
 use crate::patches::Patches;
 use crate::transport::rows::{BATCHES, Landing, Row, Rows, origins};
 
-/// Sums up what the rows of all patches found in a tone; without batch `left_out`, if there is one.
-pub fn assemble(
-    rows: &Rows,
-    patches: &Patches,
-    tone: usize,
-    kind: StorageKind,
-    left_out: Option<u32>,
-    is_lamp: &[bool],
-) -> Raw {
+/// Sums up what the rows of all patches found.
+pub fn assemble(selection: &Selection, kind: StorageKind, is_lamp: &[bool]) -> Raw {
+    let &Selection { rows, patches, tone, left_out } = selection;
     let used = if left_out.is_some() { BATCHES - 1 } else { BATCHES };
     let rays = f64::from(rows.recipe.count.rays / BATCHES * used);
     let finder = Finder { rows, patches, tone, is_lamp, left_out, rays, used };

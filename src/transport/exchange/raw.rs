@@ -4,7 +4,18 @@ use nalgebra::DVector;
 
 use super::storage::Storage;
 use crate::patches::Patches;
-use crate::transport::rows::End;
+use crate::transport::rows::{End, Rows};
+
+/// The rays of rows that count.
+#[derive(Clone, Copy)]
+pub struct Selection<'a> {
+    pub rows: &'a Rows,
+    pub patches: &'a Patches<'a>,
+    /// In a tone.
+    pub tone: usize,
+    /// All batches but this, if there is one.
+    pub left_out: Option<u32>,
+}
 
 /// Raw exchange areas: symmetric, not yet balanced.
 pub struct Raw {

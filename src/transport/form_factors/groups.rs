@@ -18,7 +18,7 @@ use super::FormFactors;
 use crate::patches::Patches;
 use crate::progress::Progress;
 use crate::transport::TransportError;
-use crate::transport::exchange::{Exchange, StorageKind};
+use crate::transport::exchange::{Exchange, Selection, StorageKind};
 use crate::transport::rows::BATCHES;
 
 /// A form factor between two groups.
@@ -134,8 +134,8 @@ impl FormFactors {
                 "dense" => StorageKind::Dense,
                 _ => StorageKind::Sparse,
             };
-            let of = (patches, self.tone_of(channel));
-            let exchange = Exchange::from_rows(rows, of, kind, Some(batch), Progress::default())?;
+            let selection = Selection { rows, patches, tone: self.tone_of(channel), left_out: Some(batch) };
+            let exchange = Exchange::from_rows(&selection, kind, Progress::default())?;
             without.push(sums(&exchange, &group_of));
         }
         progress.at("errors", 1.0)?;

@@ -14,8 +14,8 @@ mod variation;
 use std::sync::Arc;
 
 use super::TransportError;
-use super::exchange::{Exchange, Mass, StorageKind, exact};
-use super::rows::{Rows, Tones};
+use super::exchange::{Exchange, Mass, Selection, StorageKind, exact};
+use super::rows::{RowOptions, Rows, Tones};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::trace::Tracer;
@@ -62,7 +62,8 @@ impl FormFactors {
         tones.check()?;
         let recipe = options.recipe(patches.len(), &tones)?;
         options.progress.at("trace", 0.0)?;
-        let rows = Rows::trace(tracer, patches, (recipe, tones), options.caustics, options.progress)?;
+        let &TraceOptions { caustics: shots, progress, .. } = options;
+        let rows = Rows::trace(tracer, patches, RowOptions { recipe, tones, shots, progress })?;
         Ok(Self::balance(rows, patches, options.storage, options.keep, options.progress)?)
     }
 
@@ -75,7 +76,10 @@ impl FormFactors {
         progress: Progress,
     ) -> Result<Self, Cancelled> {
         progress.at("balance", 0.0)?;
-        let of = |tone: usize| Exchange::from_rows(&rows, (patches, tone), storage, None, progress);
+        let of = |tone: usize| {
+            let selection = Selection { rows: &rows, patches, tone, left_out: None };
+            Exchange::from_rows(&selection, storage, progress)
+        };
         let exchanges = (0..rows.tones.len()).map(of).collect::<Result<_, _>>()?;
         let (rays, tones) = (rows.recipe.count.rays, rows.tones.clone());
         let disagreements = disagreements(&rows, patches);

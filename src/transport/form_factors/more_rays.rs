@@ -7,7 +7,7 @@ use super::options::{Keep, TraceOptions};
 use crate::patches::{Basis, Patches};
 use crate::trace::Tracer;
 use crate::transport::TransportError;
-use crate::transport::rows::{BATCHES, Caustics, LampShare, Look, RayCount, Recipe, Row, Rows};
+use crate::transport::rows::{BATCHES, Caustics, LampShare, Look, RayCount, Recipe, Row, RowOptions, Rows};
 
 impl FormFactors {
     /// Adds the rays of `options` to those that each patch has sent: half the noise for four times as many in
@@ -32,8 +32,9 @@ impl FormFactors {
             lamp_rays: known.recipe.count.lamp_rays + recipe.count.lamp_rays,
         };
         options.check_rays(patches.len(), count.rays, known.tones.len())?;
-        let tones = known.tones.clone();
-        let more = Rows::trace(tracer, patches, (recipe, tones), options.caustics, options.progress)?;
+        let &TraceOptions { caustics: shots, progress, .. } = options;
+        let rows = RowOptions { recipe, tones: known.tones.clone(), shots, progress };
+        let more = Rows::trace(tracer, patches, rows)?;
         // Sides that the new rays were the first to find send the old ones too.
         known.adapt(tracer, patches, options.progress)?;
         let rows = known.joined(more, count);

@@ -11,14 +11,14 @@ use std::io::{self, Read, Seek, Write};
 use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
 use super::options::Keep;
-use super::saved_exchange::{SavedExchange, write_exchange};
+use super::saved_exchange::{read_exchange, write_exchange};
 use super::sections::{Content, FactorsFileError, Section, VERSION, ends_with_section, read_section};
 use super::{FormFactors, sound};
 use crate::patches::{Basis, Patches, Tessellation};
 use crate::scene::{FaceState, Scene, Side, Surface};
 use crate::trace::{Lamps, Tracer};
 use crate::transport::TransportError;
-use crate::transport::exchange::{Exchange, Mass, StorageKind};
+use crate::transport::exchange::{Exchange, ExchangeParts, Mass, StorageKind};
 use crate::transport::rows::{
     BATCHES, Caustic, Caustics, LampShare, Look, RayCount, Recipe, Row, Rows, Spot, Tones,
 };
@@ -94,9 +94,7 @@ impl FormFactors {
                 return Err(FactorsFileError::Unsound { part: "rows" }.into());
             }
             let mass = Mass::of(saved.recipe.basis, &patches);
-            let exchange = |SavedExchange { storage, scale, ends, closure, shrinkage }| {
-                Exchange::from_raw(storage, scale, ends, mass.clone(), closure, shrinkage)
-            };
+            let exchange = |parts| Exchange::from_parts(parts, mass.clone());
             let exchanges: Vec<Exchange> = saved.exchanges.into_iter().map(exchange).collect();
             if !exchanges.iter().all(sound::is_exchange) {
                 return Err(FactorsFileError::Unsound { part: "exchange areas" }.into());
@@ -145,7 +143,7 @@ struct Saved {
     slots: Vec<u32>,
     tones: Tones,
     /// One for each tone.
-    exchanges: Vec<SavedExchange>,
+    exchanges: Vec<ExchangeParts>,
 }
 
 impl Saved {
@@ -183,7 +181,7 @@ impl Saved {
         if from.one::<u32>()? as usize != tones.len() {
             return Err(Damaged);
         }
-        let read = |_| SavedExchange::read(&mut from, basis, slots.len());
+        let read = |_| read_exchange(&mut from, basis, slots.len());
         let exchanges = (0..tones.len()).map(read).collect::<Result<_, _>>()?;
         let recipe = Recipe { count, seed, basis };
         Ok(Self { light, edge, recipe, lamp_faces, held, slots, tones, exchanges })

@@ -5,7 +5,7 @@ use sprs::CsMatI;
 
 use super::sections::{Content, FactorsFileError, Section};
 use crate::patches::Basis;
-use crate::transport::exchange::{Blocks, Closure, Ends, Exchange, Storage};
+use crate::transport::exchange::{Blocks, Closure, Ends, Exchange, ExchangeParts, Storage};
 use crate::transport::rows::Landing;
 
 const DENSE: u32 = 0;
@@ -42,48 +42,42 @@ pub fn write_exchange(exchange: &Exchange, section: &mut Section) {
     section.one(iterations as u64);
 }
 
-/// What it says of one tone's exchange areas.
-pub struct SavedExchange {
-    pub storage: Storage,
-    pub scale: DVector<f64>,
-    pub ends: Ends,
-    pub closure: Closure,
-    pub shrinkage: f64,
-}
-
-impl SavedExchange {
-    pub fn read(from: &mut Content, basis: Basis, patches: usize) -> Result<Self, FactorsFileError> {
-        use FactorsFileError::Damaged;
-        let n = basis.coefficients() * patches;
-        let storage = match from.one::<u32>()? {
-            DENSE => {
-                let values = from.list::<f32>()?;
-                if values.len() != n * n {
-                    return Err(Damaged);
-                }
-                Storage::Dense(DMatrix::from_vec(n, n, values))
+/// What a section says of one tone's exchange areas.
+pub fn read_exchange(
+    from: &mut Content,
+    basis: Basis,
+    patches: usize,
+) -> Result<ExchangeParts, FactorsFileError> {
+    use FactorsFileError::Damaged;
+    let n = basis.coefficients() * patches;
+    let storage = match from.one::<u32>()? {
+        DENSE => {
+            let values = from.list::<f32>()?;
+            if values.len() != n * n {
+                return Err(Damaged);
             }
-            SPARSE => {
-                let starts = from.list::<u64>()?.into_iter().map(|start| start as usize).collect();
-                let (indices, values) = (from.list::<u32>()?, from.list::<f32>()?);
-                Storage::Sparse(CsMatI::try_new((n, n), starts, indices, values).map_err(|_| Damaged)?)
-            }
-            BLOCKS if basis == Basis::Linear => Storage::Blocks(Blocks::read(from, patches)?),
-            _ => return Err(Damaged),
-        };
-        let mut vector = || from.some(n).map(DVector::from_vec);
-        let (scale, leaving, slack) = (vector()?, vector()?, vector()?);
-        let in_carriers = match from.one::<u32>()? {
-            0 => None,
-            1 => Some([DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?)]),
-            _ => return Err(Damaged),
-        };
-        let ends = Ends { leaving, in_carriers, slack };
-        let [before, after, slack, shrinkage] = [from.one()?, from.one()?, from.one()?, from.one()?];
-        let iterations = from.one::<u64>()? as usize;
-        let closure = Closure { before, after, iterations, slack };
-        Ok(Self { storage, scale, ends, closure, shrinkage })
-    }
+            Storage::Dense(DMatrix::from_vec(n, n, values))
+        }
+        SPARSE => {
+            let starts = from.list::<u64>()?.into_iter().map(|start| start as usize).collect();
+            let (indices, values) = (from.list::<u32>()?, from.list::<f32>()?);
+            Storage::Sparse(CsMatI::try_new((n, n), starts, indices, values).map_err(|_| Damaged)?)
+        }
+        BLOCKS if basis == Basis::Linear => Storage::Blocks(Blocks::read(from, patches)?),
+        _ => return Err(Damaged),
+    };
+    let mut vector = || from.some(n).map(DVector::from_vec);
+    let (scale, leaving, slack) = (vector()?, vector()?, vector()?);
+    let in_carriers = match from.one::<u32>()? {
+        0 => None,
+        1 => Some([DVector::from_vec(from.some(n)?), DVector::from_vec(from.some(n)?)]),
+        _ => return Err(Damaged),
+    };
+    let ends = Ends { leaving, in_carriers, slack };
+    let [before, after, slack, shrinkage] = [from.one()?, from.one()?, from.one()?, from.one()?];
+    let iterations = from.one::<u64>()? as usize;
+    let closure = Closure { before, after, iterations, slack };
+    Ok(ExchangeParts { storage, scale, ends, closure, shrinkage })
 }
 
 impl Blocks {

@@ -12,12 +12,12 @@ use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
 use super::landing::{Spot, end_of};
-use super::recipe::{BATCHES, Recipe};
-use super::tones::{Survivors, Tones};
-use crate::patches::{Basis, Patches};
+use super::recipe::{BATCHES, Setting};
+use super::tones::Survivors;
+use crate::patches::Basis;
 use crate::progress::{Cancelled, Progress};
+use crate::trace::sampling;
 use crate::trace::sampling::Stream;
-use crate::trace::{Tracer, sampling};
 
 /// One ray from lamps for so many from patches.
 const RAYS_PER_SHOT: u64 = 4;
@@ -58,13 +58,12 @@ impl Caustics {
 
     /// Shoots from all lamp slots; `is_lamp` tells of any slot whether it is one.
     pub fn trace(
-        tracer: &Tracer,
-        patches: &Patches,
+        setting: &Setting,
         lamps: &[u32],
         is_lamp: impl Fn(u32) -> bool + Sync,
-        (recipe, tones): (Recipe, &Tones),
         progress: Progress,
     ) -> Result<Self, Cancelled> {
+        let &Setting { tracer, patches, recipe, .. } = setting;
         if lamps.is_empty() || !tracer.has_carriers() {
             return Ok(Self::default());
         }
@@ -79,7 +78,7 @@ impl Caustics {
                 let (sequence, points) =
                     Stream::LampShots.stretch(recipe.seed, lamp, u64::from(batch), per_batch);
                 for (ray, point) in facet.rays(sequence, points.clone()).zip(points) {
-                    let (end, survivors, hit) = end_of(tracer, patches, &ray, (sequence, point), tones);
+                    let (end, survivors, hit) = end_of(setting, &ray, (sequence, point));
                     let receiver = end.slot().filter(|&slot| end.is_carried() && !is_lamp(slot));
                     if let Some((receiver, hit)) = receiver.zip(hit) {
                         let ends = match recipe.basis {

@@ -17,13 +17,13 @@
 //! their variances, as far as these can be told beforehand: F/N for rays, F²(1 + κ)/4M for light sampling,
 //! with κ the relative variance of the weights.
 
-use crate::patches::{Basis, Facet, Patches};
+use crate::patches::{Basis, Facet};
 use crate::scene::Side;
 use crate::trace::sampling::Stream;
-use crate::trace::{Lamps, Tracer, geometry_term};
+use crate::trace::{Lamps, geometry_term};
 
 use super::landing::Spot;
-use super::recipe::{BATCHES, Recipe};
+use super::recipe::{BATCHES, Recipe, Setting};
 
 /// What a batch found of the form factor to a lamp patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,13 +70,12 @@ struct Pair {
 
 /// The form factors from the facet of `slot` to lamps. `hits` are the rays that landed on lamps.
 pub fn look_at_lamps(
-    tracer: &Tracer,
-    patches: &Patches,
+    &Setting { tracer, patches, recipe, .. }: &Setting,
     lamps: &Lamps,
     (slot, facet): (u32, Facet),
     hits: impl Iterator<Item = Seen>,
-    Recipe { count, seed, basis }: Recipe,
 ) -> Look {
+    let Recipe { count, seed, basis } = recipe;
     let view = lamps.view_over(&facet.corners, facet.normal);
     // Draw the pairs, and see which are visible.
     let mut pairs = Vec::with_capacity(count.lamp_rays as usize);

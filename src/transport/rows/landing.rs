@@ -3,10 +3,11 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use super::tones::{Survivors, Tones};
-use crate::patches::{Barycentrics, Patches};
+use super::recipe::Setting;
+use super::tones::Survivors;
+use crate::patches::Barycentrics;
 use crate::trace::sampling::Sequence;
-use crate::trace::{Destination, Hit, Ray, Tint, Tracer};
+use crate::trace::{Destination, Hit, Ray, Tint};
 
 /// Where a ray ended, in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
@@ -115,11 +116,9 @@ impl Landing {
 /// its weight.
 #[inline]
 pub fn end_of(
-    tracer: &Tracer,
-    patches: &Patches,
+    &Setting { tracer, patches, tones, .. }: &Setting,
     ray: &Ray,
     (sequence, point): (Sequence, u32),
-    tones: &Tones,
 ) -> (End, Survivors, Option<Hit>) {
     let mut alive = Survivors::ALL;
     let numbers = |k: u32| sequence.dimensions(point, k + 1);

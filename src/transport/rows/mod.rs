@@ -16,5 +16,5 @@ pub(super) use lamp_columns::{LampShare, Look};
 pub(super) use landing::{End, Landing, Spot};
 pub(super) use rays::{Row, Rows, origins};
 pub use recipe::Shots;
-pub(super) use recipe::{BATCHES, RayCount, Recipe};
+pub(super) use recipe::{BATCHES, RayCount, Recipe, RowOptions};
 pub(super) use tones::Tones;

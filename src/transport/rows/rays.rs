@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::caustics::Caustics;
 use super::lamp_columns::{Look, Seen, look_at_lamps};
 use super::landing::{End, Spot, end_of};
-use super::recipe::{BATCHES, Recipe, Shots};
+use super::recipe::{BATCHES, Recipe, RowOptions, Setting, Shots};
 use super::tones::{Survivors, Tones};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
@@ -37,16 +37,10 @@ impl Goals {
     }
 
     /// What lamps find of patches by way of carriers.
-    fn caustics(
-        &self,
-        tracer: &Tracer,
-        patches: &Patches,
-        how: (Recipe, &Tones),
-        progress: Progress,
-    ) -> Result<Caustics, Cancelled> {
-        let slots = self.slots.iter().cloned().flatten().filter(|&slot| patches.is_wanted(slot));
-        let slots: Vec<u32> = slots.collect();
-        Caustics::trace(tracer, patches, &slots, |slot| self.contain(slot), how, progress)
+    fn caustics(&self, setting: &Setting, progress: Progress) -> Result<Caustics, Cancelled> {
+        let slots = self.slots.iter().cloned().flatten();
+        let slots: Vec<u32> = slots.filter(|&slot| setting.patches.is_wanted(slot)).collect();
+        Caustics::trace(setting, &slots, |slot| self.contain(slot), progress)
     }
 
     fn contain(&self, slot: u32) -> bool {
@@ -121,16 +115,12 @@ impl Rows {
 
     /// Traces the rays of every patch. A side that light turns out to reach after all becomes a patch, and
     /// its rays are traced too.
-    pub fn trace(
-        tracer: &Tracer,
-        patches: &mut Patches,
-        (recipe, tones): (Recipe, Tones),
-        shots: Shots,
-        progress: Progress,
-    ) -> Result<Self, Cancelled> {
+    pub fn trace(tracer: &Tracer, patches: &mut Patches, options: RowOptions) -> Result<Self, Cancelled> {
+        let RowOptions { recipe, tones, shots, progress } = options;
         let goals = Goals::new(tracer, patches, recipe);
+        let setting = Setting { tracer, patches, recipe, tones: &tones };
         let caustics = match shots {
-            Shots::Shot => goals.caustics(tracer, patches, (recipe, &tones), progress)?,
+            Shots::Shot => goals.caustics(&setting, progress)?,
             Shots::Skipped => Caustics::default(),
         };
         let mut rows = Self::new((recipe, tones), goals.lamps.faces().collect(), Vec::new(), caustics);
@@ -149,11 +139,11 @@ impl Rows {
         let known = self.rows.len();
         if !goals.lamps.faces().eq(self.lamp_faces.iter().copied()) {
             self.lamp_faces = goals.lamps.faces().collect();
-            let recipe = self.recipe;
-            self.caustics = goals.caustics(tracer, patches, (recipe, &self.tones), progress)?;
+            let setting = Setting { tracer, patches, recipe: self.recipe, tones: &self.tones };
+            self.caustics = goals.caustics(&setting, progress)?;
             for (done, chunk) in self.rows.chunks_mut(CHUNK).enumerate() {
                 progress.at("trace", (done * CHUNK) as f64 / known as f64)?;
-                chunk.par_iter_mut().for_each(|row| look_for_lamps(tracer, patches, &goals, row, recipe));
+                chunk.par_iter_mut().for_each(|row| look_for_lamps(&setting, &goals, row));
             }
         }
         self.complete(tracer, patches, &goals, progress)
@@ -174,8 +164,8 @@ impl Rows {
             let (known, missing): (Vec<u32>, Vec<u32>) = active.partition(has_row);
             for (done, chunk) in missing.chunks(CHUNK).enumerate() {
                 progress.at("trace", (known.len() + done * CHUNK) as f64 / patches.len() as f64)?;
-                let how = (self.recipe, &self.tones);
-                let traced = chunk.par_iter().map(|&slot| trace_row(tracer, patches, goals, slot, how));
+                let setting = Setting { tracer, patches, recipe: self.recipe, tones: &self.tones };
+                let traced = chunk.par_iter().map(|&slot| trace_row(&setting, goals, slot));
                 self.rows.par_extend(traced);
             }
             self.rows.sort_unstable_by_key(|row| row.slot);
@@ -190,19 +180,14 @@ impl Rows {
 }
 
 /// Traces what leaves one slot.
-fn trace_row(
-    tracer: &Tracer,
-    patches: &Patches,
-    goals: &Goals,
-    slot: u32,
-    (recipe, tones): (Recipe, &Tones),
-) -> Row {
+fn trace_row(setting: &Setting, goals: &Goals, slot: u32) -> Row {
+    let &Setting { tracer, patches, recipe, tones } = setting;
     let facet = patches.facet(tracer, slot);
     let mut landings = Vec::with_capacity(recipe.count.rays as usize);
     let (mut spots, mut survivors) = (Vec::new(), Vec::new());
     for (sequence, points) in stretches(slot, recipe) {
         for (ray, point) in facet.rays(sequence, points.clone()).zip(points) {
-            let (end, alive, hit) = end_of(tracer, patches, &ray, (sequence, point), tones);
+            let (end, alive, hit) = end_of(setting, &ray, (sequence, point));
             if tones.len() > 1 {
                 survivors.push(alive);
             }
@@ -214,7 +199,7 @@ fn trace_row(
         }
     }
     let mut row = Row { slot, landings, survivors, spots, lamps: Look::default() };
-    look_for_lamps(tracer, patches, goals, &mut row, recipe);
+    look_for_lamps(setting, goals, &mut row);
     row
 }
 
@@ -231,7 +216,8 @@ pub fn origins(slot: u32, recipe: Recipe) -> impl Iterator<Item = Spot> {
 }
 
 /// Fills in what a row knows of lamps.
-fn look_for_lamps(tracer: &Tracer, patches: &Patches, goals: &Goals, row: &mut Row, recipe: Recipe) {
+fn look_for_lamps(setting: &Setting, goals: &Goals, row: &mut Row) {
+    let &Setting { tracer, patches, recipe, .. } = setting;
     row.lamps = if goals.slots.is_empty() || goals.contain(row.slot) {
         Look::default()
     } else {
@@ -249,7 +235,7 @@ fn look_for_lamps(tracer: &Tracer, patches: &Patches, goals: &Goals, row: &mut R
         }
         let facet = patches.facet(tracer, row.slot);
         let hits = hits.into_iter().map(|(_, seen)| seen);
-        look_at_lamps(tracer, patches, &goals.lamps, (row.slot, facet), hits, recipe)
+        look_at_lamps(setting, &goals.lamps, (row.slot, facet), hits)
     };
 }
 

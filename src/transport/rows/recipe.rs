@@ -1,6 +1,9 @@
 //! Recipe: how many rays of each kind a patch sends, and by which random sequences.
 
-use crate::patches::Basis;
+use super::tones::Tones;
+use crate::patches::{Basis, Patches};
+use crate::progress::Progress;
+use crate::trace::Tracer;
 
 /// Independent scramblings per row, by whose spread the noise of form factors is measured.
 pub const BATCHES: u32 = 8;
@@ -28,4 +31,21 @@ pub enum Shots {
     Shot,
     /// They do not: what comes that way is found by the rays of patches alone.
     Skipped,
+}
+
+/// How the rows of a scene are traced.
+pub struct RowOptions<'a> {
+    pub recipe: Recipe,
+    pub tones: Tones,
+    pub shots: Shots,
+    pub progress: Progress<'a>,
+}
+
+/// What every ray of a row needs to know.
+#[derive(Clone, Copy)]
+pub struct Setting<'a> {
+    pub tracer: &'a Tracer<'a>,
+    pub patches: &'a Patches<'a>,
+    pub recipe: Recipe,
+    pub tones: &'a Tones,
 }
