@@ -42,8 +42,9 @@ fn main() -> Result<(), Failure> {
         for &basis in bases {
             for &count in &counts[..cuts] {
                 for &rays in rays {
-                    (0..seeds)
-                        .try_for_each(|seed| setting.run(&tracer, basis, (count, rays, seed), &mut score))?;
+                    (0..seeds).try_for_each(|seed| {
+                        setting.run(&tracer, basis, Cut { count, rays, seed }, &mut score)
+                    })?;
                 }
             }
         }
@@ -80,6 +81,13 @@ struct Setting {
     reference: Vec<ReferenceRow>,
 }
 
+/// How finely a scene is cut and traced.
+struct Cut {
+    count: usize,
+    rays: u32,
+    seed: u64,
+}
+
 impl Setting {
     fn read(name: &'static str, path: &str) -> Result<Self, Failure> {
         let folder = env!("CARGO_MANIFEST_DIR");
@@ -92,7 +100,7 @@ impl Setting {
         &self,
         tracer: &Tracer,
         basis: Basis,
-        (count, rays, seed): (usize, u32, u64),
+        Cut { count, rays, seed }: Cut,
         score: &mut Score,
     ) -> Result<(), Failure> {
         let began = Instant::now();

@@ -43,7 +43,7 @@ pub fn write_faces(
     let columns: Vec<&str> = FACE_KEYS.iter().chain(&QUANTITIES).chain(&["polygon"]).copied().collect();
     let errors = Some(errors.faces.as_slice());
     write_columns(writer, &columns, |table| {
-        write_face_rows(table, patches, None, (irradiance, radiance), errors)
+        write_face_rows(table, patches, None, [irradiance, radiance], errors)
     })
 }
 
@@ -61,7 +61,7 @@ pub fn write_lamp_groups(
     let columns: Vec<&str> = std::iter::once("lamps").chain(FACE_KEYS).chain(quantities).collect();
     write_columns(writer, &columns, |table| {
         groups.iter().try_for_each(|&(name, solution)| {
-            write_face_rows(table, patches, Some(name), (&solution.irradiance, &solution.radiance), None)
+            write_face_rows(table, patches, Some(name), [&solution.irradiance, &solution.radiance], None)
         })
     })
 }
@@ -72,7 +72,7 @@ fn write_face_rows(
     table: &mut csv::Writer<&mut dyn Write>,
     patches: &Patches,
     group: Option<&str>,
-    (irradiance, radiance): (&DMatrix<f64>, &DMatrix<f64>),
+    [irradiance, radiance]: [&DMatrix<f64>; 2],
     errors: Option<&[FaceRow]>,
 ) -> csv::Result<()> {
     let scene = patches.scene();

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use super::stopping::{Answer, Rule};
+use super::stopping::{Answer, Rule, Run};
 use super::symmetric::Root;
 use super::{Amplification, Solution, SolveError, check_finite, krylov};
 use crate::progress::Progress;
@@ -86,7 +86,7 @@ pub fn conjugate_gradients(
         }
     }
     let has_converged = excess <= 1.0 || rule.is_rounding(&answer);
-    let report = answer.judge(k, e, (root.method(), passes), &amplification);
+    let report = answer.judge(k, e, Run { name: root.method(), iterations: passes }, &amplification);
     let radiance = e + answer.reflected;
     let solution = Solution { radiance, irradiance: answer.irradiance, basis: k.basis(), report };
     progress.at("solve", 1.0)?;

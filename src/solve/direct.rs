@@ -11,7 +11,7 @@ use faer::linalg::cholesky::{ldlt, llt};
 use faer::{MatMut, MatRef, Par};
 use nalgebra::DMatrix;
 
-use super::stopping::Answer;
+use super::stopping::{Answer, Run};
 use super::symmetric::Root;
 use super::{Amplification, Solution, SolveError};
 use crate::patches::{Basis, Sheets};
@@ -102,7 +102,7 @@ impl Direct {
         let residual = k.reflect(&k.irradiance(&(e + &reflected))) - &reflected;
         let reflected = reflected + &residual + self.substitute(&residual);
         let answer = Answer::after(k, e, &reflected);
-        let report = answer.judge(k, e, ("direct", 0), &self.amplification);
+        let report = answer.judge(k, e, Run { name: "direct", iterations: 0 }, &self.amplification);
         Solution { radiance: e + answer.reflected, irradiance: answer.irradiance, basis: k.basis(), report }
     }
 

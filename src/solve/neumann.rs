@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use super::stopping::{Answer, Rule};
+use super::stopping::{Answer, Rule, Run};
 use super::{Amplification, Report, Solution, SolveError, check_finite};
 use crate::patches::Basis;
 use crate::progress::Progress;
@@ -97,7 +97,7 @@ pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Res
     let report = loop {
         // The step to the next order is the residual of this one.
         let order = bounces.len();
-        let mut report = answer.judge(k, e, ("neumann", order), &amplification);
+        let mut report = answer.judge(k, e, Run { name: "neumann", iterations: order }, &amplification);
         report.bound = report.bound.min(tail_bound(&norm, &added, &(e + &answer.reflected)));
         let Report { residual, remaining_flux, bound, .. } = report;
         bounces.push(Bounce { order, flux: flux(&added), residual, remaining_flux, bound });

@@ -46,6 +46,12 @@ pub(super) struct Answer {
     pub residual: DMatrix<f64>,
 }
 
+/// A solver and the passes over the matrix that it took.
+pub(super) struct Run {
+    pub name: &'static str,
+    pub iterations: usize,
+}
+
 impl Answer {
     /// The answer of this irradiance under right-hand side E.
     pub fn new(k: &Transport, e: &DMatrix<f64>, irradiance: DMatrix<f64>) -> Self {
@@ -70,7 +76,7 @@ impl Answer {
         &self,
         k: &Transport,
         e: &DMatrix<f64>,
-        (name, iterations): (&'static str, usize),
+        Run { name, iterations }: Run,
         amplification: &Amplification,
     ) -> Report {
         let (radiance, step) = (e + &self.reflected, self.step());

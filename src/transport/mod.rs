@@ -16,8 +16,8 @@ mod sources;
 
 pub use exchange::{Blocks, Closure, Exchange, Mass, Storage, StorageKind};
 pub use form_factors::{
-    DISAGREE, Disagreement, FactorsFileError, FormFactors, GroupFactor, Keep, Occlusion, Reuse, Spread,
-    TraceOptions, Unmet,
+    DISAGREE, Disagreement, FactorsFileError, FormFactors, GroupFactor, Keep, Merged, Occlusion, Reuse,
+    Spread, TraceOptions, Unmet,
 };
 pub(crate) use lanczos::{ends_of_spectrum, uneven};
 pub use operator::Transport;

@@ -87,7 +87,14 @@ impl ReferenceArgs {
     }
 }
 
-/// What the pictures show: the matrix answer, light paths, and bounces.
+/// What pictures show: a solution, and the problem's bounces up to the last.
+struct Shown<'a> {
+    problem: &'a Problem,
+    solution: &'a Solution,
+    last: usize,
+}
+
+/// The matrix answer, light paths, and bounces.
 struct Pictures {
     matrix: Picture,
     traced: Picture,
@@ -95,12 +102,10 @@ struct Pictures {
 }
 
 impl Pictures {
-    /// Draws the solution and the problem's bounces up to the last.
     fn draw(
         tracer: &Tracer,
         patches: &Patches,
-        (problem, last): (&Problem, usize),
-        solution: &Solution,
+        Shown { problem, solution, last }: Shown,
         look: &RenderOptions,
     ) -> Result<Self, Failure> {
         let camera = picture::camera(tracer, patches);
@@ -174,7 +179,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let comparison = Comparison::new(&patches, irradiance, &reference, &mesh);
 
     let last = LAST_PICTURE.min(orders.len().max(2) - 1);
-    let pictures = Pictures::draw(&tracer, &patches, (&problem, last), &direct, &look)?;
+    let pictures =
+        Pictures::draw(&tracer, &patches, Shown { problem: &problem, solution: &direct, last }, &look)?;
     picture::warn_if_black(&pictures.matrix, direct.irradiance.amax(), terminal);
 
     progress.at("write", 0.0)?;

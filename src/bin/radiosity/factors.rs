@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use radiosity::output;
 use radiosity::patches::{PatchError, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
-use radiosity::render::RenderOptions;
 use radiosity::scene::{Feature, Scene};
 use radiosity::trace::Tracer;
 use radiosity::transport::{Forecast, FormFactors, Keep, LightOptions, Plan, Switches, TraceOptions, Work};
@@ -48,6 +47,18 @@ pub struct FactorsArgs {
         conflicts_with_all = ["patches", "edge", "rays", "storage", "basis"]
     )]
     factors: Option<PathBuf>,
+}
+
+/// Numbers of patches and of rays that were chosen on the way to an accuracy, and are not among the options.
+pub struct Chosen {
+    pub patches: usize,
+    pub rays: u32,
+}
+
+/// What else solving may be asked for.
+pub struct Asked {
+    pub pixels: usize,
+    pub chosen: Option<Chosen>,
 }
 
 impl FactorsArgs {
@@ -112,18 +123,17 @@ impl FactorsArgs {
         }
     }
 
-    /// What solving with these options will probably cost, or with as many patches and rays as were chosen
-    /// else.
+    /// What solving with these options will probably cost.
     pub fn forecast(
         &self,
         tracer: &Tracer,
         solver: &SolverArgs,
-        (look, chosen): (&RenderOptions, Option<(usize, u32)>),
+        asked: Asked,
         run: &RunArgs,
     ) -> Result<Forecast, PatchError> {
         let quietly = Progress::default();
         let (mut tessellation, mut trace) = self.options(run, quietly);
-        if let Some((patches, rays)) = chosen {
+        if let Some(Chosen { patches, rays }) = asked.chosen {
             tessellation.size = PatchSize::Count(patches);
             trace.rays = Some(rays);
         }
@@ -135,7 +145,7 @@ impl FactorsArgs {
             memory: run.memory,
             tolerance: solver.tolerance,
             order: solver.order,
-            pixels: look.width * look.height,
+            pixels: asked.pixels,
         };
         Forecast::new(tracer, &work)
     }

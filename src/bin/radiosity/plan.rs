@@ -4,7 +4,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::Cost;
 
 use crate::args::{RunArgs, SceneArgs, SolverArgs};
-use crate::factors::FactorsArgs;
+use crate::factors::{Asked, FactorsArgs};
 use crate::picture::PictureArgs;
 use crate::terminal::{Failure, Terminal};
 
@@ -35,7 +35,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (scene, plan) = args.factors.plan(args.scene.load()?, terminal)?;
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
-    let forecast = args.factors.forecast(&tracer, &args.solver, (&look, None), &args.run)?;
+    let asked = Asked { pixels: look.width * look.height, chosen: None };
+    let forecast = args.factors.forecast(&tracer, &args.solver, asked, &args.run)?;
     let plan = plan.foretold(&forecast);
     let total = forecast.total();
     if args.run.json {

@@ -14,7 +14,7 @@ use radiosity::transport::{LightOptions, Plan, ReceiverRows, Sources};
 
 use crate::accuracy::GoalArgs;
 use crate::args::{RunArgs, SceneArgs, SolverArgs};
-use crate::factors::FactorsArgs;
+use crate::factors::{Asked, Chosen, FactorsArgs};
 use crate::picture::{self, PictureArgs};
 use crate::solve_report;
 use crate::terminal::{Failure, Terminal};
@@ -60,9 +60,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let tracer = &Tracer::new(&scene);
     measure::odd_placement(tracer, args.run.seed).iter().for_each(|odd| terminal.warn(odd));
     let (patches, factors, steps) = args.goal.obtain(&args.factors, tracer, &args.run, terminal)?;
-    // What was chosen on the way to an accuracy is not among the options.
-    let chosen = (!steps.is_empty()).then(|| (patches.len(), factors.rays()));
-    let plan = plan.foretold(&args.factors.forecast(tracer, &args.solver, (&look, chosen), &args.run)?);
+    let chosen = (!steps.is_empty()).then(|| Chosen { patches: patches.len(), rays: factors.rays() });
+    let asked = Asked { pixels: look.width * look.height, chosen };
+    let plan = plan.foretold(&args.factors.forecast(tracer, &args.solver, asked, &args.run)?);
     let asked = args.factors.light(&args.run, progress);
     let light = match steps.is_empty() {
         true => asked,
@@ -111,10 +111,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         received.iter().map(|(receiver, h)| Photometry::of_receiver(receiver, h, efficacy)).collect();
     let photometry = job.write_photometry(&mut outputs, means, of_receivers)?;
     job.write_false_colours(&mut outputs, &pictures)?;
-    if args.lamp_groups {
-        let lamps: Vec<_> = lamps.iter().map(|(name, solution)| (name.as_str(), solution)).collect();
-        outputs.file("lamp_groups.csv", |file| output::write_lamp_groups(file, &patches, &lamps))?;
-    }
+    job.write_lamps(&mut outputs, lamps)?;
     args.picture.write(&pictures.picture, &mut outputs)?;
     let summary = Summary {
         scene: scene.name().to_owned(),
@@ -139,16 +136,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         warnings: scene.warnings().to_vec(),
         verdict,
     };
-    outputs.file("solution.json", |file| output::write_summary(file, &summary))?;
-    let files = outputs.commit()?;
-    if args.run.json {
-        terminal.print(serde_json::to_string_pretty(&summary)?)?;
-    }
-    terminal.say(solve_report::text(&summary, &scene, &factors))?;
-    let folder = args.scene.folder(&scene);
-    terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()))?;
-    verdict::warn(&summary.verdict, terminal);
-    args.strict.conclude(&summary.verdict)
+    job.conclude(outputs, &summary, terminal)
 }
 
 /// The scene without what is switched off, and the plan for it.
@@ -274,6 +262,14 @@ impl Job<'_> {
         Ok(rows)
     }
 
+    fn write_lamps(&self, outputs: &mut Outputs, lamps: &[(String, Solution)]) -> Result<(), Failure> {
+        if self.args.lamp_groups {
+            let lamps: Vec<_> = lamps.iter().map(|(name, solution)| (name.as_str(), solution)).collect();
+            outputs.file("lamp_groups.csv", |file| output::write_lamp_groups(file, self.patches, &lamps))?;
+        }
+        Ok(())
+    }
+
     fn write_false_colours(&self, outputs: &mut Outputs, pictures: &Pictures) -> Result<(), Failure> {
         let Pictures { picture, illuminance } = pictures;
         if let Some(illuminance) = illuminance {
@@ -286,5 +282,20 @@ impl Job<'_> {
             })?;
         }
         Ok(())
+    }
+
+    /// Puts the files in their place and says how good the answer is.
+    fn conclude(&self, mut outputs: Outputs, summary: &Summary, terminal: &Terminal) -> Result<(), Failure> {
+        outputs.file("solution.json", |file| output::write_summary(file, summary))?;
+        let scene = self.scene();
+        let files = outputs.commit()?;
+        if self.args.run.json {
+            terminal.print(serde_json::to_string_pretty(summary)?)?;
+        }
+        terminal.say(solve_report::text(summary, scene, self.problem.factors()))?;
+        let folder = self.args.scene.folder(scene);
+        terminal.say(format_args!("\nwrote {} to {}", files.join(", "), folder.display()))?;
+        verdict::warn(&summary.verdict, terminal);
+        self.args.strict.conclude(&summary.verdict)
     }
 }

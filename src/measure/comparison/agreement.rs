@@ -78,8 +78,20 @@ impl Agreement {
     }
 }
 
+/// A difference that is looked at.
+struct Look {
+    what: &'static str,
+    found: f64,
+    uncertainty: f64,
+    /// How likely noise alone is as large.
+    chance: f64,
+    /// What the mesh may make.
+    mesh: f64,
+}
+
 impl AgreementTest {
-    fn new(what: &'static str, found: f64, uncertainty: f64, chance: f64, mesh: f64, looks: usize) -> Self {
+    /// What follows from one of so many looks.
+    fn of(Look { what, found, uncertainty, chance, mesh }: Look, looks: usize) -> Self {
         let most = match what {
             "mean" => MOST_OF_MEAN,
             "worst patch" => f64::INFINITY,
@@ -151,23 +163,36 @@ pub(super) fn reasons(
     let [by_face_square, ..] = by_face.chance;
     let mean = REMAINS * change.mean.max(ALWAYS_OF_MEAN * change.by_patch);
     vec![
-        AgreementTest::new(
-            "patches",
-            by_patch.rms,
-            by_patch.uncertainty,
-            by_square,
-            REMAINS * change.by_patch,
+        AgreementTest::of(
+            Look {
+                what: "patches",
+                found: by_patch.rms,
+                uncertainty: by_patch.uncertainty,
+                chance: by_square,
+                mesh: REMAINS * change.by_patch,
+            },
             LOOKS,
         ),
-        AgreementTest::new(
-            "faces",
-            by_face.rms,
-            by_face.uncertainty,
-            by_face_square,
-            REMAINS * change.by_face,
+        AgreementTest::of(
+            Look {
+                what: "faces",
+                found: by_face.rms,
+                uncertainty: by_face.uncertainty,
+                chance: by_face_square,
+                mesh: REMAINS * change.by_face,
+            },
             LOOKS,
         ),
-        AgreementTest::new("mean", by_patch.bias, by_patch.bias_error, by_mean, mean, LOOKS),
+        AgreementTest::of(
+            Look {
+                what: "mean",
+                found: by_patch.bias,
+                uncertainty: by_patch.bias_error,
+                chance: by_mean,
+                mesh: mean,
+            },
+            LOOKS,
+        ),
         worst_patch(places, by_patch, change, LOOKS),
     ]
 }
@@ -186,12 +211,14 @@ fn worst_patch(places: &[Place], by_patch: &Difference, change: &Change, looks: 
         let z = if error > 0.0 { (value - mean) / error } else { 0.0 };
         let chance = difference::chance_of_one(z, places[place].degrees_of_freedom, values);
         // The noise of a single patch has long tails: two of its standard errors count as one.
-        AgreementTest::new(
-            "worst patch",
-            relative(value - mean),
-            relative(2.0 * error),
-            chance,
-            relative(mesh),
+        AgreementTest::of(
+            Look {
+                what: "worst patch",
+                found: relative(value - mean),
+                uncertainty: relative(2.0 * error),
+                chance,
+                mesh: relative(mesh),
+            },
             looks,
         )
     };
@@ -204,7 +231,10 @@ fn worst_patch(places: &[Place], by_patch: &Difference, change: &Change, looks: 
     let worst = by_patch.worst;
     match unexplained {
         Some(reason) => reason,
-        None if places.is_empty() => AgreementTest::new("worst patch", 0.0, 0.0, 1.0, 0.0, looks),
+        None if places.is_empty() => AgreementTest::of(
+            Look { what: "worst patch", found: 0.0, uncertainty: 0.0, chance: 1.0, mesh: 0.0 },
+            looks,
+        ),
         None => look(worst.place, worst.channel),
     }
 }

@@ -89,22 +89,37 @@ pub(super) struct MeshError {
     pub insight: Insight,
 }
 
-/// How far irradiance may be off by the size of patches. `by_patch` are
-/// the form factors with constant elements, radiance and irradiance means over patches, those of the given
-/// order where the series was truncated.
+/// What is known of an answer, as means over patches (n × c).
+pub(super) struct Known<'a> {
+    pub radiance: &'a DMatrix<f64>,
+    pub irradiance: &'a DMatrix<f64>,
+    /// The order of a truncated series.
+    pub order: Option<usize>,
+}
+
+/// How far irradiance may be off by the size of patches. `by_patch` are the form factors with constant
+/// elements.
 pub(super) fn mesh_error(
     patches: &Patches,
     [factors, by_patch]: [&FormFactors; 2],
     sources: &Sources,
-    [radiance, irradiance]: [&DMatrix<f64>; 2],
-    order: Option<usize>,
+    known: &Known,
 ) -> Result<MeshError, MeasureError> {
     let basis = factors.basis();
+    let &Known { radiance, irradiance, order } = known;
     let light: Vec<f64> = irradiance.row_iter().map(|row| row.sum()).collect();
     let clusters = patches.clusters(together(basis), Some(&light));
     let merged_factors = by_patch.merged(&clusters.of_patch, clusters.count);
     let k = Transport::new(&merged_factors, Reflection::of(patches).merged(patches, &clusters))?;
-    let change = changed_by(patches, &clusters, &k, (basis, sources), ([radiance, irradiance], order))?;
+    let by_cluster = |field: &DMatrix<f64>| patches.average_by(&clusters, &basis.means(field));
+    let coarse = Sources {
+        emitted: by_cluster(&sources.emitted),
+        direct: sources.direct.as_ref().map(by_cluster),
+        spread: Vec::new(),
+        carried: None,
+        lamps: None,
+    };
+    let change = changed_by(patches, &clusters, &k, &coarse, known)?;
     // What light that varies sends elsewhere has arrived from order 2 on.
     let by_variation = match basis {
         Basis::Constant if order.is_none_or(|order| order > 1) => {
@@ -149,22 +164,16 @@ fn has_curved_carriers(patches: &Patches) -> bool {
     ways.collect::<HashSet<_>>().len() > FLAT
 }
 
-/// How much more irradiance clusters have here than in the scene solved with constant light on clusters.
+/// How much more irradiance clusters have here than in the scene solved with constant light on clusters, whose
+/// sources these are.
 fn changed_by(
     patches: &Patches,
     clusters: &Clusters,
     k: &Transport,
-    (basis, sources): (Basis, &Sources),
-    ([radiance, irradiance], order): ([&DMatrix<f64>; 2], Option<usize>),
+    sources: &Sources,
+    &Known { radiance, irradiance, order }: &Known,
 ) -> Result<DMatrix<f64>, MeasureError> {
     let mean = |field: &DMatrix<f64>| patches.average_by(clusters, field);
-    let sources = Sources {
-        emitted: mean(&basis.means(&sources.emitted)),
-        direct: sources.direct.as_ref().map(|direct| mean(&basis.means(direct))),
-        spread: Vec::new(),
-        carried: None,
-        lamps: None,
-    };
     let e = sources.right_hand_side(k);
     let on_clusters = match order {
         // What is known is nearly right: only what it lacks is solved for, and that need not be exact.
@@ -179,7 +188,7 @@ fn changed_by(
         }
     };
     let here = mean(irradiance);
-    Ok(match sources.direct {
+    Ok(match &sources.direct {
         Some(direct) => here - direct - on_clusters,
         None => here - on_clusters,
     })

@@ -128,8 +128,9 @@ impl ErrorBars {
         let arriving = if order == Some(0) { 0.0 * &radiance } else { radiance.clone() };
         let noise = Noise::of(patches, factors, by_patch, sources, &arriving)?;
         progress.at("solve", 0.5)?;
+        let known = mesh::Known { radiance: &radiance, irradiance: &irradiance, order };
         let MeshError { by_merging: change_by_patch, by_variation: varied_by_patch, insight } =
-            mesh::mesh_error(patches, [factors, by_patch], sources, [&radiance, &irradiance], order)?;
+            mesh::mesh_error(patches, [factors, by_patch], sources, &known)?;
         let missing_by_patch = slack::missing(patches, by_patch, [&radiance, &irradiance])?;
         let faces = Faces::new(patches, &irradiance);
         let [rays, lamps] = [&noise.rays, &noise.lamps].map(|batches| faces.batches(batches));

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::measure::MeasureError;
 use crate::patches::{Basis, Patches};
 use crate::solve::{DirectOptions, direct};
-use crate::transport::{FormFactors, Reflection, Sources, Spread, Transport};
+use crate::transport::{FormFactors, Merged, Reflection, Sources, Spread, Transport};
 
 /// About how many clusters of patches; and the fewest patches in one.
 const CLUSTERS: f64 = 128.0;
@@ -41,7 +41,8 @@ impl Noise {
     ) -> Result<Self, MeasureError> {
         let clusters = patches.clusters((patches.len() as f64 / CLUSTERS).max(FEWEST), None);
         let merged = by_patch.merged(&clusters.of_patch, clusters.count);
-        let mut spread = factors.spread(patches, radiance, by_patch, (&clusters, &merged))?;
+        let coarse = Merged { clusters: &clusters, factors: &merged };
+        let mut spread = factors.spread(patches, radiance, by_patch, coarse)?;
         for (lamps, lights) in spread.lamps.iter_mut().zip(&sources.spread) {
             *lamps += factors.basis().means(lights) / EVENNESS;
         }

@@ -22,6 +22,7 @@ use xxhash_rust::xxh3::Xxh3;
 
 pub use conclusions::{Conclusions, OrderTrend, Solving, Target, Turn};
 pub use grid::{Cell, Grid};
+use reference::Enough;
 pub use reference::{FaceError, ReferenceSide, StudyReference};
 pub use row::{Reading, StudyRow, StudySolver};
 pub use trend::{Slope, Trend};
@@ -175,8 +176,8 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
             let watch = Watch::new(options.progress, "reference", 0.0, share.as_secs_f64());
             let progress = Progress::to(&watch);
             // What is left of the share is for the paths that are held against it.
-            let time = share.mul_f64(0.85);
-            let traced = StudyReference::trace(tracer, sides, (time, options.noise), options.seed, progress)?;
+            let enough = Enough { time: share.mul_f64(0.85), noise: options.noise };
+            let traced = StudyReference::trace(tracer, sides, enough, options.seed, progress)?;
             self.reference = Some(traced);
             return Ok(true);
         };

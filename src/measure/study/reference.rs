@@ -75,16 +75,21 @@ impl ReferenceSide {
     }
 }
 
+/// When a reference is good enough: at this noise, or, about, once the time is up.
+pub(super) struct Enough {
+    pub time: Duration,
+    pub noise: f64,
+}
+
 impl StudyReference {
-    /// Traces paths from `sides`, patches that are whole sides of faces, until the noise is `enough` or,
-    /// about, the time is up.
+    /// Traces paths from `sides`, patches that are whole sides of faces, until there is enough.
     ///
     /// # Errors
     /// `Cancelled`.
     pub(super) fn trace(
         tracer: &Tracer,
         sides: &Patches,
-        (time, enough): (Duration, f64),
+        Enough { time, noise }: Enough,
         seed: u64,
         progress: Progress,
     ) -> Result<Self, MeasureError> {
@@ -96,7 +101,7 @@ impl StudyReference {
         let mut options = PathOptions { budget: first, bounces: 0, seed, progress, ..PathOptions::default() };
         let mut estimate = paths.irradiance(sides, &options)?;
         // Doubling takes as long again as all that was done so far.
-        while estimate.relative_standard_error() > enough && 2 * began.elapsed() < time {
+        while estimate.relative_standard_error() > noise && 2 * began.elapsed() < time {
             options.budget = Budget { paths: Some(estimate.paths()), ..Budget::default() };
             paths.refine(sides, &mut estimate, &options)?;
         }

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 use super::canvas::{Area, Canvas, GREY};
 use super::panel::{MARGIN, TITLE, draw_picture, draw_title, enlargement};
 use super::text;
-use super::text::TextSize;
+use super::text::{Line, TextSize};
 use crate::patches::Patches;
 use crate::render::{Exposure, Picture, RenderError, RenderOptions, Surfaces, luminance, picture};
 use crate::scene::Camera;
@@ -81,7 +81,8 @@ pub fn write_bounces(writer: &mut dyn Write, orders: &[BouncePictures]) -> io::R
     let headings = ["Sums of the series, all at one exposure", "Each bounce alone, brighter as stated"];
     for (below, heading) in headings.into_iter().enumerate() {
         let at = (MARGIN, area(0, below).top - TITLE - HEADING + 6);
-        text::draw_fitting(&mut canvas, heading, at, end.right() - MARGIN, TextSize::Medium, GREY);
+        let heading = Line { text: heading, at, size: TextSize::Medium, colour: GREY };
+        heading.draw_within(&mut canvas, end.right() - MARGIN);
     }
     let exposure = all.exposure();
     for (column, BouncePictures { order, sum, bounce }) in orders.iter().enumerate() {

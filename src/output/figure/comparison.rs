@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::canvas::{Area, Canvas, GREY, INK};
 use super::diverging::diverging;
 use super::panel::{MARGIN, TITLE, draw_picture, draw_pixels, draw_title, enlargement};
-use super::text::TextSize;
+use super::text::{Line, TextSize};
 use super::{round_up, text};
 use crate::render::{Exposure, LampPart, Picture, luminance};
 
@@ -80,8 +80,9 @@ pub fn write_comparison(
     let exposure = options.exposure.unwrap_or_else(|| reference.exposure());
     for (k, picture) in [matrix, reference].into_iter().enumerate() {
         draw_picture(&mut canvas, area(k), picture, exposure, scale);
-        let below = (area(k).left, area(k).bottom() + 12);
-        text::draw_fitting(&mut canvas, options.notes[k], below, area(k).width, TextSize::Small, GREY);
+        let at = (area(k).left, area(k).bottom() + 12);
+        let note = Line { text: options.notes[k], at, size: TextSize::Small, colour: GREY };
+        note.draw_within(&mut canvas, area(k).width);
     }
     let difference = relative_difference(matrix, reference, options.radius.min(16));
     let range = options
@@ -164,10 +165,11 @@ fn draw_scale(canvas: &mut Canvas, area: Area, range: f64) {
         let place = (share * (width.saturating_sub(wide)) as f64).round() as usize;
         let centred = (x + wide / 2 > left + width || x < left + wide / 2).then_some(left + place);
         let at = centred.unwrap_or_else(|| x - wide / 2);
-        text::draw(canvas, &label, (at, labels), TextSize::Small, INK);
+        Line { text: &label, at: (at, labels), size: TextSize::Small, colour: INK }.draw(canvas);
     }
-    let what = "of the reference's mean; red: the answer is brighter";
-    text::draw_fitting(canvas, what, (left, labels + 19), width, TextSize::Small, GREY);
+    let text = "of the reference's mean; red: the answer is brighter";
+    let what = Line { text, at: (left, labels + 19), size: TextSize::Small, colour: GREY };
+    what.draw_within(canvas, width);
 }
 
 /// A share as per cent, with a sign.

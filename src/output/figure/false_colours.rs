@@ -7,8 +7,8 @@ use std::io::{self, Write};
 use super::canvas::{Area, Canvas, Colour, GREY, INK};
 use super::diverging::oklab_to_linear;
 use super::panel::{MARGIN, TITLE, draw_pixels, draw_title, enlargement};
-use super::text::TextSize;
-use super::{round_up, text};
+use super::round_up;
+use super::text::{Line, TextSize};
 use crate::render::{Picture, luminance, to_byte};
 
 /// Steps of the legend, from nothing to the highest value shown.
@@ -76,8 +76,9 @@ pub fn write_false_colours(
         let y = bar.top + height - height * k / STEPS;
         canvas.fill(Area { left: bar.left, top: y.min(bar.bottom() - 1), width: BAR, height: 1 }, INK);
         let label = format!("{}", (step * k as f64 * 1e6).round() / 1e6);
-        let place = (bar.right() + 6, y.saturating_sub(TextSize::Small.height() / 2));
-        text::draw_fitting(&mut canvas, &label, place, LEGEND - MARGIN - BAR - 6, TextSize::Small, INK);
+        let at = (bar.right() + 6, y.saturating_sub(TextSize::Small.height() / 2));
+        let label = Line { text: &label, at, size: TextSize::Small, colour: INK };
+        label.draw_within(&mut canvas, LEGEND - MARGIN - BAR - 6);
     }
     canvas.write_png(writer)
 }

@@ -1,8 +1,7 @@
 //! Panel: a picture in its place on a canvas, with a title above it.
 
 use super::canvas::{Area, Canvas, Colour, GREY, INK};
-use super::text;
-use super::text::TextSize;
+use super::text::{Line, TextSize};
 use crate::render::{Exposure, Picture};
 
 /// Space around everything, pixels.
@@ -47,6 +46,6 @@ pub(super) fn draw_pixels(
 
 /// Writes a title above an area, no wider than it.
 pub(super) fn draw_title(canvas: &mut Canvas, area: Area, title: &str) {
-    let top = area.top - TITLE + 4;
-    text::draw_fitting(canvas, title, (area.left, top), area.width, TextSize::Large, INK);
+    let at = (area.left, area.top - TITLE + 4);
+    Line { text: title, at, size: TextSize::Large, colour: INK }.draw_within(canvas, area.width);
 }

@@ -53,46 +53,45 @@ pub(super) fn width(text: &str, size: TextSize) -> usize {
     set(text, size).last().map_or(0, |sign| sign.left + sign.raster.width())
 }
 
-/// Draws a line with its upper left corner at (`left`, `top`).
-pub(super) fn draw(
-    canvas: &mut Canvas,
-    text: &str,
-    (left, top): (usize, usize),
-    size: TextSize,
-    colour: Colour,
-) {
-    for sign in set(text, size) {
-        for (y, row) in sign.raster.rows().enumerate() {
-            for (x, &share) in row.iter().enumerate() {
-                if let Some(y) = (top + y).checked_add_signed(sign.top) {
-                    canvas.blend(left + sign.left + x, y, colour, f64::from(share) / 255.0);
+/// A line of text and where it goes.
+pub(super) struct Line<'a> {
+    pub text: &'a str,
+    /// Its upper left corner, pixels.
+    pub at: (usize, usize),
+    pub size: TextSize,
+    pub colour: Colour,
+}
+
+impl Line<'_> {
+    pub fn draw(&self, canvas: &mut Canvas) {
+        let (left, top) = self.at;
+        for sign in set(self.text, self.size) {
+            for (y, row) in sign.raster.rows().enumerate() {
+                for (x, &share) in row.iter().enumerate() {
+                    if let Some(y) = (top + y).checked_add_signed(sign.top) {
+                        canvas.blend(left + sign.left + x, y, self.colour, f64::from(share) / 255.0);
+                    }
                 }
             }
         }
     }
-}
 
-/// Draws a line in the largest size up to `size` in which it is no wider than `room`, cut short if need be.
-pub(super) fn draw_fitting(
-    canvas: &mut Canvas,
-    text: &str,
-    (left, top): (usize, usize),
-    room: usize,
-    size: TextSize,
-    colour: Colour,
-) {
-    let sizes = [TextSize::Large, TextSize::Medium, TextSize::Small];
-    let smaller = sizes.into_iter().skip_while(|&s| s != size);
-    let fitting = smaller.into_iter().find(|&size| width(text, size) <= room);
-    let lower = |size: TextSize, chosen: TextSize| top + size.height() - chosen.height();
-    if let Some(chosen) = fitting {
-        return draw(canvas, text, (left, lower(size, chosen)), chosen, colour);
+    /// Draws it in the largest size up to its own in which it is no wider than `room`, cut short if need be.
+    pub fn draw_within(&self, canvas: &mut Canvas, room: usize) {
+        let (left, top) = self.at;
+        let sizes = [TextSize::Large, TextSize::Medium, TextSize::Small];
+        let smaller = sizes.into_iter().skip_while(|&size| size != self.size);
+        let fitting = smaller.into_iter().find(|&size| width(self.text, size) <= room);
+        let at = |chosen: TextSize| (left, top + self.size.height() - chosen.height());
+        if let Some(size) = fitting {
+            return Line { at: at(size), size, ..*self }.draw(canvas);
+        }
+        let (mut shorter, size) = (self.text.to_owned(), TextSize::Small);
+        while !shorter.is_empty() && width(&shorter, size) > room {
+            shorter.pop();
+        }
+        Line { text: shorter.trim_end(), at: at(size), size, ..*self }.draw(canvas);
     }
-    let mut shorter = text.to_owned();
-    while !shorter.is_empty() && width(&shorter, TextSize::Small) > room {
-        shorter.pop();
-    }
-    draw(canvas, shorter.trim_end(), (left, lower(size, TextSize::Small)), TextSize::Small, colour);
 }
 
 /// Sets a line, sign by sign.
@@ -135,7 +134,7 @@ mod tests {
     /// How much ink there is in each of some columns and rows.
     fn ink(text: &str, size: TextSize) -> Vec<bool> {
         let mut canvas = Canvas::new(400, 40);
-        draw(&mut canvas, text, (0, 8), size, [0; 3]);
+        Line { text, at: (0, 8), size, colour: [0; 3] }.draw(&mut canvas);
         canvas.pixels().map(|pixel| pixel[0] < 128).collect()
     }
 
@@ -161,7 +160,8 @@ mod tests {
     fn a_line_too_long_is_set_smaller_and_then_cut() {
         let room = |text: &str, room: usize| {
             let mut canvas = Canvas::new(400, 40);
-            draw_fitting(&mut canvas, text, (0, 0), room, TextSize::Large, [0; 3]);
+            let line = Line { text, at: (0, 0), size: TextSize::Large, colour: [0; 3] };
+            line.draw_within(&mut canvas, room);
             let dark = canvas.pixels().zip(0..).filter(|(pixel, _)| pixel[0] < 255);
             dark.map(|(_, place)| place % 400 + 1).max().unwrap_or(0)
         };

@@ -25,7 +25,7 @@ pub use groups::{GroupFactor, Unmet};
 pub use options::{Keep, Occlusion, TraceOptions};
 pub use saved::Reuse;
 pub use sections::FactorsFileError;
-pub use spread::Spread;
+pub use spread::{Merged, Spread};
 
 /// The form factors between patches: geometry, without reflectances and sources. Clones share what is large.
 #[derive(Clone, Debug)]

@@ -53,7 +53,7 @@ impl FormFactors {
         patches: &Patches,
         radiance: &DMatrix<f64>,
         by_patch: &FormFactors,
-        (clusters, merged): (&Clusters, &FormFactors),
+        Merged { clusters, factors: merged }: Merged,
     ) -> Result<Spread, TransportError> {
         let n = patches.len();
         let zero = || vec![DMatrix::zeros(n, radiance.ncols()); BATCHES as usize];
@@ -71,8 +71,13 @@ impl FormFactors {
         let channels = radiance.ncols();
         let mut spread = Spread { rays: zero(), lamps: zero() };
         for (tone, exchange) in self.exchanges().iter().enumerate() {
-            let between = [&by_patch.exchanges()[tone], &merged.exchanges()[tone]];
-            let setting = Setting::new((rows, tone), patches, exchange, between, clusters);
+            let of_tone = OfTone {
+                tone,
+                exchange,
+                by_patch: &by_patch.exchanges()[tone],
+                merged: &merged.exchanges()[tone],
+            };
+            let setting = Setting::new(rows, patches, clusters, of_tone);
             let own: Vec<usize> = (0..channels).filter(|&c| self.tone_of(c) == tone).collect();
             let radiance = radiance.select_columns(&own);
             for (few, first) in own.chunks(ONES).zip((0..).step_by(ONES)) {
@@ -91,6 +96,23 @@ impl FormFactors {
         }
         Ok(spread)
     }
+}
+
+/// A few hundred clusters of patches and what they exchange.
+#[derive(Clone, Copy)]
+pub struct Merged<'a> {
+    /// The clusters.
+    pub clusters: &'a Clusters,
+    /// The form factors between them.
+    pub factors: &'a FormFactors,
+}
+
+/// What is exchanged in a tone: by the elements at hand, by patch and by cluster.
+struct OfTone<'a> {
+    tone: usize,
+    exchange: &'a Exchange,
+    by_patch: &'a Exchange,
+    merged: &'a Exchange,
 }
 
 /// All that the spread depends on.
@@ -121,6 +143,13 @@ struct Known {
     flooded: Vec<bool>,
 }
 
+/// What a ray or a pair of points between receiver i and lamp patch j is worth.
+struct LampPair {
+    i: usize,
+    j: usize,
+    worth: f64,
+}
+
 /// sum ← sum + worth · x.
 #[inline]
 fn add(sum: &mut Lanes, worth: f64, x: &Lanes) {
@@ -128,13 +157,8 @@ fn add(sum: &mut Lanes, worth: f64, x: &Lanes) {
 }
 
 impl<'a> Setting<'a> {
-    fn new(
-        (rows, tone): (&'a Rows, usize),
-        patches: &'a Patches<'a>,
-        exchange: &Exchange,
-        [by_patch, merged]: [&'a Exchange; 2],
-        clusters: &'a Clusters,
-    ) -> Self {
+    fn new(rows: &'a Rows, patches: &'a Patches<'a>, clusters: &'a Clusters, of_tone: OfTone<'a>) -> Self {
+        let OfTone { tone, exchange, by_patch, merged } = of_tone;
         let n = patches.len();
         let each = exchange.basis().coefficients();
         let (_, scale) = exchange.raw();
@@ -223,7 +247,8 @@ impl<'a> Setting<'a> {
                             add(&mut rays[i], worth * self.scale[i], &known.scaled[j]);
                             add(&mut rays[j], worth * self.scale[j], &known.scaled[i]);
                         } else if carried && !self.is_lamp[i] {
-                            self.add_lamp(&mut lamps, (i, j), self.carried_worth(i, j), known);
+                            let worth = self.carried_worth(i, j);
+                            self.add_lamp(&mut lamps, LampPair { i, j, worth }, known);
                         }
                     }
                 }
@@ -234,13 +259,14 @@ impl<'a> Setting<'a> {
             let caustics = self.rows.caustics.of(row.slot, self.tone, None);
             for caustic in caustics.filter(|c| usize::from(c.batch) == batch) {
                 if let Some(j) = self.patches.patch_of_slot(caustic.lamp) {
-                    self.add_lamp(&mut lamps, (i, j as usize), self.carried_worth(i, j as usize), known);
+                    let (j, worth) = (j as usize, self.carried_worth(i, j as usize));
+                    self.add_lamp(&mut lamps, LampPair { i, j, worth }, known);
                 }
             }
             for share in row.lamps.shares.iter().filter(|share| share.batch as usize == batch) {
                 if let Some(j) = self.patches.patch_of_slot(share.slot) {
                     let worth = areas[i] * f64::from(BATCHES) * f64::from(share.share);
-                    self.add_lamp(&mut lamps, (i, j as usize), worth, known);
+                    self.add_lamp(&mut lamps, LampPair { i, j: j as usize, worth }, known);
                 }
             }
         }
@@ -254,9 +280,9 @@ impl<'a> Setting<'a> {
         f64::from(BATCHES) * self.rows.caustics.worth([areas[i], areas[j]], rays, BATCHES)
     }
 
-    /// Adds what receiver i and lamp patch j exchange. Such entries have the lamp's scale alone, unless lamps
+    /// Adds what a receiver and a lamp patch exchange. Such entries have the lamp's scale alone, unless lamps
     /// fill the receiver.
-    fn add_lamp(&self, lamps: &mut [Lanes], (i, j): (usize, usize), worth: f64, known: &Known) {
+    fn add_lamp(&self, lamps: &mut [Lanes], LampPair { i, j, worth }: LampPair, known: &Known) {
         let own = if known.flooded[i] { self.scale[i] } else { 1.0 };
         let worth = worth * own * self.scale[j];
         add(&mut lamps[i], worth, &known.field[j]);

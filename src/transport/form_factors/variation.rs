@@ -57,7 +57,8 @@ impl FormFactors {
             for c in 0..radiance.ncols() {
                 let uneven = setting.uneven(near, (radiance, c));
                 let beside: Vec<f64> = uneven.iter().map(|h| reflectances[(*i, c)] * h).collect();
-                setting.send(*i, (near, &beside), (self.tone_of(c), c), &mut changes);
+                let sent = Sent { patch: *i, near, beside: &beside, tone: self.tone_of(c), channel: c };
+                setting.send(&sent, &mut changes);
             }
         }
         Ok(changes)
@@ -68,6 +69,17 @@ impl FormFactors {
 struct Seen {
     lamp: usize,
     of_parts: Vec<f64>,
+}
+
+/// What a patch sends beside its mean.
+struct Sent<'a> {
+    patch: usize,
+    /// The lamp faces near it.
+    near: &'a [Seen],
+    /// π times the radiance beside the mean, by parts.
+    beside: &'a [f64],
+    tone: usize,
+    channel: usize,
 }
 
 /// Where light goes.
@@ -130,15 +142,9 @@ impl<'a> Setting<'a> {
         parts
     }
 
-    /// Adds the irradiance that π times the radiance `beside` the mean, by parts of a patch, causes
-    /// elsewhere.
-    fn send(
-        &self,
-        i: usize,
-        (near, beside): (&[Seen], &[f64]),
-        (tone, channel): (usize, usize),
-        changes: &mut [DMatrix<f64>; HALVES],
-    ) {
+    /// Adds the irradiance that what a patch sends causes elsewhere.
+    fn send(&self, sent: &Sent, changes: &mut [DMatrix<f64>; HALVES]) {
+        let &Sent { patch: i, near, beside, tone, channel } = sent;
         let Some(row) = self.row(i) else { return };
         let etendues = self.patches.normalised_etendues();
         let each = row.landings.len() / HALVES;

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::lamp_flux::LampFlux;
+use super::lamp_flux::{LampFlux, LampRays};
 use super::{LightOptions, PARTS, Sources};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
@@ -70,9 +70,10 @@ impl Sources {
         let sums = Mass::of(basis, patches).sums().clone();
         let arrived: Vec<Vec<f64>> =
             parts.iter().map(|part| part.column_iter().map(|h| sums.dot(&h)).collect()).collect();
-        let rays = u64::from(look.pairs) * patches.len() as u64;
+        let number = u64::from(look.pairs) * patches.len() as u64;
+        let rays = LampRays { number, seed: options.seed };
         let emitted = basis.means(&self.emitted);
-        self.lamps = Some(LampFlux::trace(tracer, patches, &emitted, &arrived, (rays, options.seed)));
+        self.lamps = Some(LampFlux::trace(tracer, patches, &emitted, &arrived, rays));
         let whole = parts.iter().fold(DMatrix::zeros(self.emitted.nrows(), channels), |sum, part| sum + part);
         parts.iter_mut().for_each(|part| *part = &*part * PARTS as f64 - &whole);
         self.direct = Some(self.direct.map_or_else(|| whole.clone(), |direct| direct + &whole));

@@ -38,18 +38,24 @@ pub(crate) struct LampFlux {
     pub standard_error: Vec<f64>,
 }
 
+/// How many rays lamps send, and by which random sequence.
+pub(super) struct LampRays {
+    pub number: u64,
+    pub seed: u64,
+}
+
 impl LampFlux {
-    /// Sends `rays` rays from the lamps, at most 2¹⁶ for each of eight parts. `emitted` is Lₑ per patch (n ×
-    /// c), `arrived` what each eighth of the pairs adds to the flux that arrives, per channel.
-    pub(crate) fn trace(
+    /// Sends rays from the lamps, at most 2¹⁶ for each of eight parts. `emitted` is Lₑ per patch (n × c),
+    /// `arrived` what each eighth of the pairs adds to the flux that arrives, per channel.
+    pub(super) fn trace(
         tracer: &Tracer,
         patches: &Patches,
         emitted: &DMatrix<f64>,
         arrived: &[Vec<f64>],
-        (rays, seed): (u64, u64),
+        rays: LampRays,
     ) -> Self {
-        let per_part = (rays / PARTS as u64).clamp(1, u64::from(SEQUENCE_END)) as u32;
-        let missing = Senders::new(tracer, patches, emitted, seed).missing(per_part);
+        let per_part = (rays.number / PARTS as u64).clamp(1, u64::from(SEQUENCE_END)) as u32;
+        let missing = Senders::new(tracer, patches, emitted, rays.seed).missing(per_part);
         let of_channels = |of: &dyn Fn(usize) -> f64| (0..emitted.ncols()).map(of).collect();
         let mean =
             |c: usize, kind: usize| missing.iter().map(|part| part[c][kind]).sum::<f64>() / PARTS as f64;

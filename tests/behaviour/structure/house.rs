@@ -117,10 +117,11 @@ impl Reader<'_> {
                 let mut leaves = Vec::new();
                 at = self.leaves(at + 1, &[], &mut leaves);
                 for (path, name) in
-                    leaves.into_iter().filter_map(|(path, name)| Some((self.from_root(&path)?, name)))
+                    leaves.into_iter().filter_map(|(path, name)| Some((self.in_full(&path)?, name)))
                 {
                     if is_public {
-                        stands_for.insert([&self.module[..], &[name.clone()]].concat(), path.clone());
+                        stands_for
+                            .insert([&self.module[..], std::slice::from_ref(&name)].concat(), path.clone());
                     }
                     if self.modules.contains(&path) {
                         at_hand.insert(name, path.clone());
@@ -140,7 +141,7 @@ impl Reader<'_> {
                     at += 2;
                 }
                 let known = at_hand.get(&path[0]).map(|module| [&module[..], &path[1..]].concat());
-                used.extend(known.or_else(|| self.from_root(&path)));
+                used.extend(known.or_else(|| self.in_full(&path)));
             }
             at += 1;
         }
@@ -181,7 +182,7 @@ impl Reader<'_> {
     }
 
     /// A path from the root, if it leads to a module of this crate.
-    fn from_root(&self, path: &[String]) -> Option<Path> {
+    fn in_full(&self, path: &[String]) -> Option<Path> {
         let ups = path.iter().take_while(|name| *name == "super").count();
         let inside = |rest: &[String]| [&self.module[..], rest].concat();
         match path[0].as_str() {

@@ -150,6 +150,8 @@ impl Values<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::ops::Range;
+
     use super::*;
 
     /// Line by line: this kind of symmetry, these planes all around of which the first `stored` from `first`
@@ -157,7 +159,7 @@ mod tests {
     fn file(
         symmetry: u8,
         planes: &[f64],
-        (first, stored): (usize, usize),
+        stored: Range<usize>,
         lamps: &[(i32, f64)],
         candela: impl Fn(f64, f64) -> f64,
     ) -> String {
@@ -174,7 +176,7 @@ mod tests {
         }
         lines.extend(vec!["0,5".to_owned(); RATIOS]);
         lines.extend(planes.iter().chain(&angles).map(f64::to_string));
-        for plane in &planes[first..first + stored] {
+        for plane in &planes[stored] {
             lines.extend(angles.iter().map(|&angle| candela(*plane, angle).to_string().replace('.', ",")));
         }
         lines.join("\r\n")
@@ -192,28 +194,28 @@ mod tests {
     }
 
     fn even(lamps: &[(i32, f64)]) -> String {
-        file(1, &around(), (0, 1), lamps, |_, _| 100.0)
+        file(1, &around(), 0..1, lamps, |_, _| 100.0)
     }
 
     #[test]
     fn symmetric_files_stand_for_whole_ones() {
-        type Case = (u8, (usize, usize), fn(f64) -> f64);
+        type Case = (u8, Range<usize>, fn(f64) -> f64);
         let cases: [Case; 4] = [
-            (1, (0, 1), |_| 1.0),
-            (2, (0, 13), |c| 2.0 + c.to_radians().cos()),
-            (3, (18, 6), |c| 2.0 + c.to_radians().sin()),
-            (4, (0, 7), |c| 2.0 + (2.0 * c.to_radians()).cos()),
+            (1, 0..1, |_| 1.0),
+            (2, 0..13, |c| 2.0 + c.to_radians().cos()),
+            (3, 18..24, |c| 2.0 + c.to_radians().sin()),
+            (4, 0..7, |c| 2.0 + (2.0 * c.to_radians()).cos()),
         ];
         for (symmetry, stored, by_plane) in cases {
             let candela = |c: f64, gamma: f64| by_plane(c) * (200.0 - gamma);
             let mut part = file(symmetry, &around(), stored, &[(1, 2000.0)], candela);
             if symmetry == 3 {
                 // From 270 by 0 to 90.
-                let rest = file(symmetry, &around(), (0, 7), &[(1, 2000.0)], candela);
+                let rest = file(symmetry, &around(), 0..7, &[(1, 2000.0)], candela);
                 let rows: Vec<&str> = rest.lines().collect();
                 part = [part.as_str(), &rows[rows.len() - 7 * 37..].join("\r\n")].join("\r\n");
             }
-            let whole = file(0, &around(), (0, 24), &[(1, 2000.0)], candela);
+            let whole = file(0, &around(), 0..24, &[(1, 2000.0)], candela);
             let (part, whole) = (told(&part).0, told(&whole).0);
             for k in 0..500 {
                 let (gamma, c) = (f64::from(k) * 0.37 % 180.0, f64::from(k) * 7.3 - 900.0);
@@ -240,7 +242,7 @@ mod tests {
     #[test]
     fn angles_beyond_a_full_turn_are_refused_by_their_line() {
         let planes = around().into_iter().map(|c| c + 15.0).chain([720.0]).collect::<Vec<_>>();
-        let text = file(1, &planes, (0, 1), &[(1, 1000.0)], |_, _| 100.0);
+        let text = file(1, &planes, 0..1, &[(1, 1000.0)], |_, _| 100.0);
         let (line, message) = parse(&text, &mut Vec::new()).unwrap_err();
         assert!(message.contains("between 0 and 360"), "{message}");
         // Told where the angles end.
