@@ -125,8 +125,8 @@ impl Photometry {
 /// Illuminance (lx) of an irradiance (W·m⁻²), or luminance (cd·m⁻²) of a radiance (W·sr⁻¹·m⁻²), N × c, at an
 /// efficacy in lm·W⁻¹; N × 1.
 pub fn luminous(field: &DMatrix<f64>, efficacy: f64) -> DMatrix<f64> {
-    let of = |i: usize, _| efficacy * luminance(field.row(i).transpose().as_slice());
-    DMatrix::from_fn(field.nrows(), 1, of)
+    let value = |i: usize, _| efficacy * luminance(field.row(i).transpose().as_slice());
+    DMatrix::from_fn(field.nrows(), 1, value)
 }
 
 /// Writes `photometry.csv`: a row per material, object, light and receiver, each column with its unit.

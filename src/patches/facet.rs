@@ -131,12 +131,12 @@ impl Patches<'_> {
         if !tracer.has_dielectrics() && !tracer.has_facets() {
             return Vec::new();
         }
-        let of = |slot: u32| {
+        let per_area = |slot: u32| {
             let facet = self.facet(tracer, slot);
             let index = tracer.medium_at(facet.centre(), facet.face, facet.normal);
             index * index * facet.coat.map_or(1.0, Coat::passed_of_all)
         };
-        let all: Vec<f64> = (0..self.slots() as u32).into_par_iter().map(of).collect();
+        let all: Vec<f64> = (0..self.slots() as u32).into_par_iter().map(per_area).collect();
         if all.iter().all(|&each| each == 1.0) { Vec::new() } else { all }
     }
 }

@@ -74,8 +74,8 @@ impl Half {
     /// would have to bring light, and all alike, for the same relative noise.
     fn effective_batches(&self, patch: usize, total: usize, channels: usize) -> f64 {
         let first = patch * (total + channels) + total;
-        let of = |&[sum, squares]: &[f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
-        self.sums[first..first + channels].iter().map(of).fold(0.0, f64::max)
+        let effective = |&[sum, squares]: &[f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
+        self.sums[first..first + channels].iter().map(effective).fold(0.0, f64::max)
     }
 }
 
@@ -129,9 +129,9 @@ impl PathTraced {
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
-        let of = |half: &Half| 4 * half.batches.len() + 16 * half.sums.len() + 8 * half.spread.len();
+        let bytes = |half: &Half| 4 * half.batches.len() + 16 * half.sums.len() + 8 * half.spread.len();
         let photons = self.photons.as_ref().map_or(0, |photons| 16 * photons.sums.len());
-        (self.halves.iter().map(of).sum::<usize>() + photons + 8 * self.areas.len()) as u64
+        (self.halves.iter().map(bytes).sum::<usize>() + photons + 8 * self.areas.len()) as u64
     }
 
     /// The highest bounce that is kept apart.
@@ -157,11 +157,11 @@ impl PathTraced {
     /// 1965): where one path in thousands finds the light of a patch, what was found by few tells neither its
     /// mean nor its standard error.
     pub fn degrees_of_freedom(&self, patch: usize) -> f64 {
-        let of = |half: &Half| match self.photons {
+        let batches = |half: &Half| match self.photons {
             Some(_) => f64::from(half.batches[patch]),
             None => half.effective_batches(patch, self.bounces * self.channels, self.channels),
         };
-        0.5 * self.halves.iter().map(|half| (of(half) - 1.0).max(0.0)).sum::<f64>()
+        0.5 * self.halves.iter().map(|half| (batches(half) - 1.0).max(0.0)).sum::<f64>()
     }
 
     /// Irradiance H of a patch, W·m⁻².
@@ -181,11 +181,11 @@ impl PathTraced {
 
     fn estimate(&self, patch: usize, value: usize) -> Estimate {
         let values = (self.bounces + 1) * self.channels;
-        let of = |half: &Half| {
+        let moments = |half: &Half| {
             let (mean, variance) = half.moments(patch, value, values);
             (mean, variance / f64::from(half.batches[patch].max(1)))
         };
-        let [(a, error_a), (b, error_b)] = [of(&self.halves[0]), of(&self.halves[1])];
+        let [(a, error_a), (b, error_b)] = [moments(&self.halves[0]), moments(&self.halves[1])];
         let (thrown, error) =
             self.photons.as_ref().map_or((0.0, 0.0), |photons| photons.moments(patch * values + value));
         Estimate { mean: 0.5 * (a + b) + thrown, standard_error: (0.25 * (error_a + error_b) + error).sqrt() }

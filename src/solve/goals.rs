@@ -45,10 +45,10 @@ impl<'a> Goals<'a> {
 
     /// How many times too large a residual is, per channel; up to 1 it is small enough.
     pub fn excesses(&self, residual: &DMatrix<f64>) -> Vec<f64> {
-        let of = |(goal, r): (&Goal, DVectorView<f64>)| {
+        let excess = |(goal, r): (&Goal, DVectorView<f64>)| {
             relative(flux(self.k, r), goal.flux).max(relative(r.amax(), goal.size))
         };
-        self.of.iter().zip(residual.column_iter()).map(|(goal, r)| of((goal, r.as_view()))).collect()
+        self.of.iter().zip(residual.column_iter()).map(|(goal, r)| excess((goal, r.as_view()))).collect()
     }
 
     /// Lets iterations that start from this residual reduce it no further than they can tell.

@@ -136,12 +136,12 @@ pub fn bounces(k: &Transport, e: &DMatrix<f64>, last: usize) -> Vec<DMatrix<f64>
 
 /// q/(1−q)·‖L_k − L_{k−1}‖∞ / ‖L_k‖∞, the largest over channels; infinite where q = 1.
 fn tail_bound(norm: &[f64], added: &DMatrix<f64>, sum: &DMatrix<f64>) -> f64 {
-    let of = |c: usize| match (added.column(c).amax(), norm[c]) {
+    let bound = |c: usize| match (added.column(c).amax(), norm[c]) {
         (0.0, _) => 0.0,
         (_, q) if q >= 1.0 => f64::INFINITY,
         (step, q) => q / (1.0 - q) * step / sum.column(c).amax(),
     };
-    (0..norm.len()).map(of).fold(0.0, f64::max)
+    (0..norm.len()).map(bound).fold(0.0, f64::max)
 }
 
 /// How far what is missing has come from its first value to what is good enough, on a logarithmic scale.

@@ -84,7 +84,7 @@ impl Answer {
         let most = |of: &dyn Fn(usize) -> f64| channels.clone().map(of).fold(0.0, f64::max);
         let size = |x: &DMatrix<f64>, c| amplification.size(k, x, c);
         let at_most = |c| amplify(amplification.of(c), size(&self.residual, c));
-        let of = |c: usize| [&step, &self.residual].map(|x| x.column(c));
+        let fields = |c: usize| [&step, &self.residual].map(|x| x.column(c));
         Report {
             name,
             iterations,
@@ -94,7 +94,7 @@ impl Answer {
             condition: amplification.condition(),
             certainty: amplification.certainty(),
             truncated: false,
-            missing: channels.clone().map(|c| missing(k, amplification, c, of(c))).collect(),
+            missing: channels.clone().map(|c| missing(k, amplification, c, fields(c))).collect(),
         }
     }
 }
@@ -163,7 +163,7 @@ impl<'a> Rule<'a> {
 
     /// The same of a partial sum of the series, with its step to the next order and the step before that.
     pub fn excess_of(&self, answer: &Answer, step: &DMatrix<f64>, before: Option<&DMatrix<f64>>) -> f64 {
-        let of = |c: usize| {
+        let excess = |c: usize| {
             let [irradiance, step, residual] =
                 [&answer.irradiance, step, &answer.residual].map(|field| field.column(c));
             if step.amax() <= ROUNDING * answer.next.column(c).amax() {
@@ -175,7 +175,7 @@ impl<'a> Rule<'a> {
             let by_steps = before.map(|before| self.excess_by_steps(irradiance, [before.column(c), step]));
             lost.max(by_steps.map_or(off, |by_steps| by_steps.min(off)))
         };
-        (0..self.flux.len()).map(of).fold(0.0, f64::max)
+        (0..self.flux.len()).map(excess).fold(0.0, f64::max)
     }
 
     /// How many times too much is missing by what two steps, one after the other, say of all that follow;

@@ -94,8 +94,8 @@ impl Root {
 
     /// The largest |λ| per channel.
     pub fn largest(&self) -> Vec<f64> {
-        let of = |sizes: &DMatrix<f64>| sizes.column_iter().map(|column| column.max()).collect();
-        self.turns.as_ref().map_or_else(|| of(self.k.reflectance()), |turns| of(&turns.sizes()))
+        let largest = |sizes: &DMatrix<f64>| sizes.column_iter().map(|column| column.max()).collect();
+        self.turns.as_ref().map_or_else(|| largest(self.k.reflectance()), |turns| largest(&turns.sizes()))
     }
 
     /// J − Rᵀ S R in one channel.

@@ -279,12 +279,12 @@ impl<'s> Tracer<'s> {
 
 /// What becomes of rays that meet each face; nothing at all where all end.
 fn encounters_of(scene: &Scene) -> Vec<Encounter> {
-    let of = |face: usize| match (scene.passes_on(face), scene.is_carrier(face)) {
+    let encounter = |face: usize| match (scene.passes_on(face), scene.is_carrier(face)) {
         (true, true) => Encounter::GoesOn,
         (true, false) => Encounter::Either,
         (false, _) => Encounter::Ends,
     };
-    let all: Vec<Encounter> = (0..scene.faces().len()).map(of).collect();
+    let all: Vec<Encounter> = (0..scene.faces().len()).map(encounter).collect();
     if all.iter().all(|&encounter| encounter == Encounter::Ends) { Vec::new() } else { all }
 }
 

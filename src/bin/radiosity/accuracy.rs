@@ -156,9 +156,9 @@ const WELL: f64 = 1e-3;
 /// What a truncated series lacks, and how many orders would make it so many times less.
 fn truncated(excess: f64, irradiance: f64, series: &SeriesSummary) -> String {
     let order = series.order;
-    let of = |order: usize| series.bounces.get(order).map_or(1.0, |bounce| bounce.remaining_flux);
+    let remaining = |order: usize| series.bounces.get(order).map_or(1.0, |bounce| bounce.remaining_flux);
     // Each order passes on about the same part of what arrives.
-    let passed_on = if order == 0 { of(0) } else { of(order) / of(order - 1) };
+    let passed_on = if order == 0 { remaining(0) } else { remaining(order) / remaining(order - 1) };
     let more = (excess.max(1.0).ln() / -passed_on.clamp(0.01, 0.999).ln()).ceil().max(1.0);
     let remedy = if more.is_finite() {
         format!("--order {} would do, or --solver auto", order as f64 + more)

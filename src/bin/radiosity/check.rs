@@ -82,8 +82,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     findings.iter().try_for_each(|finding| tell(finding, terminal))?;
     let worst: Vec<&str> =
         findings.iter().filter(|f| f.verdict == verdict && verdict != Grade::Good).map(|f| f.name).collect();
-    let of = if worst.is_empty() { "" } else { ": " };
-    terminal.say(format_args!("\n{}{of}{}", verdict.name(), worst.join(", ")))?;
+    let colon = if worst.is_empty() { "" } else { ": " };
+    terminal.say(format_args!("\n{}{colon}{}", verdict.name(), worst.join(", ")))?;
     if verdict == Grade::Bad { Err(Unhealthy.into()) } else { Ok(()) }
 }
 

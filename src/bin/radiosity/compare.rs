@@ -220,13 +220,13 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
 }
 
 fn plot(scene: &Scene, orders: &[OrderRow], comparison: &Comparison, noise_floor: f64) -> OrdersPlot {
-    let of = |value: fn(&OrderRow) -> f64| orders.iter().map(value).collect();
+    let column = |value: fn(&OrderRow) -> f64| orders.iter().map(value).collect();
     OrdersPlot {
         orders: orders.iter().map(|row| row.order).collect(),
-        vs_direct: of(|row| row.vs_direct),
-        vs_reference: of(|row| row.vs_reference.rms),
-        uncertainty: of(|row| row.vs_reference.uncertainty),
-        bound: of(|row| row.bound),
+        vs_direct: column(|row| row.vs_direct),
+        vs_reference: column(|row| row.vs_reference.rms),
+        uncertainty: column(|row| row.vs_reference.uncertainty),
+        bound: column(|row| row.bound),
         direct_vs_reference: comparison.by_patch.rms,
         noise_floor,
         title: format!("{}: error of the Neumann series, irradiance by patch", scene.name()),

@@ -174,8 +174,8 @@ fn warn_of_doubts(objects: &[String], doubts: &[Option<FrontDoubt>], terminal: &
         (FrontDoubt::Blind, "fronts see nothing, backs do; turn their faces if that is not meant"),
     ];
     for (reason, words) in reasons {
-        let of = objects.iter().zip(doubts).filter(|(_, doubt)| **doubt == Some(reason));
-        let names: Vec<&str> = of.map(|(name, _)| name.as_str()).collect();
+        let doubtful = objects.iter().zip(doubts).filter(|(_, doubt)| **doubt == Some(reason));
+        let names: Vec<&str> = doubtful.map(|(name, _)| name.as_str()).collect();
         if let Some(more) = names.len().checked_sub(1) {
             let and_more =
                 if more >= NAMED { format!(" and {} more", names.len() - NAMED) } else { String::new() };
@@ -307,9 +307,9 @@ fn matrix(table: &FactorTable) -> Option<String> {
     if senders.is_empty() || receivers.len() > MOST_GROUPS {
         return None;
     }
-    let of = |group: &usize| groups[*group].name.clone();
+    let name = |group: &usize| groups[*group].name.clone();
     let [names, mut columns] =
-        [&senders, &receivers].map(|some| some.iter().map(of).collect::<Vec<String>>());
+        [&senders, &receivers].map(|some| some.iter().map(name).collect::<Vec<String>>());
     let row = |&a: &usize| {
         let all = table.full_row(a);
         receivers.iter().map(|&b| all[b]).collect::<Vec<FactorEntry>>()

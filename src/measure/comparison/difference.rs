@@ -183,12 +183,12 @@ fn spread(places: &[Place], excess: f64) -> f64 {
     /// From so many degrees of freedom on, standard errors are trusted more and more.
     const FEW: f64 = 20.0;
     let mean = excess / places.iter().map(|place| place.area).sum::<f64>().max(f64::MIN_POSITIVE);
-    let of = |place: &Place| {
+    let variance = |place: &Place| {
         let here: f64 =
             place.channels.iter().map(|&[value, mean, error]| (value - mean).powi(2) - error * error).sum();
         (place.area * (here - mean)).powi(2) * (FEW / place.degrees_of_freedom.max(1.0)).min(1.0)
     };
-    places.iter().map(of).sum()
+    places.iter().map(variance).sum()
 }
 
 /// Of ΣA d² to be so large if its mean is ΣA se² and its variance known: a scaled χ² of as many degrees of

@@ -184,8 +184,8 @@ impl ErrorBars {
                 let missed = missed(&missing, (f, c)).powi(2);
                 noise::variance(&rays, (f, c)) + noise::variance(&lamps, (f, c)) + missed
             };
-            let of = |c: usize| bar(row.mean[c], variance(c), mesh_part(&change, &varied, (f, c)), c);
-            FaceRow { mean: (0..row.mean.len()).map(of).collect(), ..row.clone() }
+            let bar_of = |c: usize| bar(row.mean[c], variance(c), mesh_part(&change, &varied, (f, c)), c);
+            FaceRow { mean: (0..row.mean.len()).map(bar_of).collect(), ..row.clone() }
         });
         let by_patch = DMatrix::from_fn(irradiance.nrows(), irradiance.ncols(), |i, c| {
             let variance = noise::variance(&noise.rays, (i, c)) + noise::variance(&noise.lamps, (i, c));

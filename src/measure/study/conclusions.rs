@@ -185,8 +185,8 @@ fn order(rows: &[StudyRow], converged: usize) -> Option<OrderTrend> {
 
 fn solving(rows: &[StudyRow], best: Option<usize>) -> Solving {
     let times = |solver: StudySolver| {
-        let of = rows.iter().filter(|row| row.solver == solver);
-        Slope::fit(&of.map(|row| [row.patches as f64, row.solve_seconds, 0.0]).collect::<Vec<_>>())
+        let own = rows.iter().filter(|row| row.solver == solver);
+        Slope::fit(&own.map(|row| [row.patches as f64, row.solve_seconds, 0.0]).collect::<Vec<_>>())
     };
     let pairs = rows.iter().filter(|row| row.solver == StudySolver::Direct).filter_map(|direct| {
         let cg = rows.iter().find(|row| row.solver == StudySolver::Cg && row.cell() == direct.cell())?;
@@ -202,8 +202,8 @@ fn solving(rows: &[StudyRow], best: Option<usize>) -> Solving {
 
 /// Error² · seconds of light paths: what they cost at an error of 1.
 fn price_of_paths(rows: &[StudyRow]) -> Option<f64> {
-    let of = rows.iter().filter(|row| row.solver == StudySolver::Paths);
-    let told = of.filter(|row| matches!(row.reading(), Reading::Resolved(_)));
+    let of_paths = rows.iter().filter(|row| row.solver == StudySolver::Paths);
+    let told = of_paths.filter(|row| matches!(row.reading(), Reading::Resolved(_)));
     let prices: Vec<f64> = told.map(|row| (row.error.powi(2) * row.seconds).ln()).collect();
     (!prices.is_empty()).then(|| (prices.iter().sum::<f64>() / prices.len() as f64).exp())
 }

@@ -138,20 +138,20 @@ impl StudyReference {
     /// Errors below this can't be told from nothing: two standard deviations of what noise alone makes of
     /// ΣA(d² − σ²).
     pub fn resolution(&self) -> f64 {
-        let of = |s: &ReferenceSide| {
+        let variance_of = |s: &ReferenceSide| {
             let own: f64 = s.standard_error.iter().map(|e| e * e).sum();
             2.0 * (s.area * own).powi(2) * (1.0 + 1.0 / s.degrees_of_freedom.max(1.0))
         };
-        let variance: f64 = self.sides.iter().map(of).sum();
+        let variance: f64 = self.sides.iter().map(variance_of).sum();
         relative_root(2.0 * variance.sqrt(), self.whole())
     }
 
     /// ΣA(H² − σ²).
     fn whole(&self) -> f64 {
-        let of = |s: &ReferenceSide| -> f64 {
+        let light = |s: &ReferenceSide| -> f64 {
             s.mean.iter().zip(&s.standard_error).map(|(m, e)| s.area * (m * m - e * e)).sum()
         };
-        self.sides.iter().map(of).sum()
+        self.sides.iter().map(light).sum()
     }
 
     /// The error of several answers to the same question, each a row per side in order of face and side. A

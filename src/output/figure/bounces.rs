@@ -173,13 +173,13 @@ mod tests {
 
     #[test]
     fn a_figure_has_a_column_per_order() {
-        let of = |order: usize| {
+        let picture = |order: usize| {
             let picture = Picture::new(250, 90, vec![[order as f32; 3]; 22_500]);
             BouncePictures { order, sum: picture.clone(), bounce: picture }
         };
         let size = |orders: usize| {
             let mut bytes = Vec::new();
-            write_bounces(&mut bytes, &(0..orders).map(of).collect::<Vec<_>>()).unwrap();
+            write_bounces(&mut bytes, &(0..orders).map(picture).collect::<Vec<_>>()).unwrap();
             image::load_from_memory(&bytes).unwrap().into_rgb8().dimensions()
         };
         let ((one, height), (five, same)) = (size(1), size(5));

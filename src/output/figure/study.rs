@@ -76,7 +76,7 @@ fn curves(study: &StudySummary) -> Vec<Curve> {
     let (first, last) = (ends(f64::min, f64::INFINITY), ends(f64::max, 0.0));
     let noise = conclusions.noise;
     let front = conclusions.front.iter().map(|&k| Point::at(rows[k].seconds, rows[k].reading().most()));
-    let of = |solver: StudySolver| {
+    let points = |solver: StudySolver| {
         rows.iter().filter(|row| row.solver == solver).map(|row| point(row, row.seconds)).collect()
     };
     let mut curves = vec![
@@ -98,12 +98,12 @@ fn curves(study: &StudySummary) -> Vec<Curve> {
         Curve {
             stroke: Some(Stroke::Dashed),
             mark: Mark::Cross,
-            ..Curve::line("light paths (path tracer)".into(), of(StudySolver::Paths), DARK)
+            ..Curve::line("light paths (path tracer)".into(), points(StudySolver::Paths), DARK)
         },
         Curve {
             stroke: None,
             mark: Mark::Square,
-            ..Curve::line("direct solver".into(), of(StudySolver::Direct), BLUE)
+            ..Curve::line("direct solver".into(), points(StudySolver::Direct), BLUE)
         },
     ];
     if let Some(order) = &conclusions.order {

@@ -235,7 +235,7 @@ type ExactLines = HashMap<usize, Vec<[DVec2; 2]>>;
 
 fn exact_lines(tracer: &Tracer, contacts: &Contacts) -> ExactLines {
     let faces = tracer.scene().faces().len();
-    let of = |face: usize| {
+    let lines_on = |face: usize| {
         if !tracer.scene().is_diffuse(face) {
             return Default::default();
         }
@@ -246,7 +246,7 @@ fn exact_lines(tracer: &Tracer, contacts: &Contacts) -> ExactLines {
         crossings.truncate(MOST_LINES);
         (outlines, crossings)
     };
-    let lines: Vec<(Vec<_>, Vec<_>)> = (0..faces).into_par_iter().map(of).collect();
+    let lines: Vec<(Vec<_>, Vec<_>)> = (0..faces).into_par_iter().map(lines_on).collect();
     let counts: Vec<usize> = lines.iter().map(|(_, crossings)| crossings.len()).collect();
     let most = most_for_each(&counts, LINES);
     let all = lines.into_iter().map(|(mut lines, crossings)| {

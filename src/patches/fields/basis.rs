@@ -60,8 +60,8 @@ impl Basis {
     pub fn means(self, field: &DMatrix<f64>) -> DMatrix<f64> {
         let each = self.coefficients();
         assert_eq!(field.nrows() % each, 0, "{each} coefficients a patch");
-        let of = |i: usize, c: usize| field.view((each * i, c), (each, 1)).sum() / each as f64;
-        DMatrix::from_fn(field.nrows() / each, field.ncols(), of)
+        let mean = |i: usize, c: usize| field.view((each * i, c), (each, 1)).sum() / each as f64;
+        DMatrix::from_fn(field.nrows() / each, field.ncols(), mean)
     }
 }
 

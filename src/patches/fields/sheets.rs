@@ -25,9 +25,9 @@ impl Sheets {
     /// The same by coefficients of a basis.
     pub fn by_coefficients(&self, basis: Basis) -> Self {
         let each = basis.coefficients();
-        let of = |&[front, back]: &[usize; 2]| (0..each).map(move |a| [each * front + a, each * back + a]);
+        let pairs = |&[front, back]: &[usize; 2]| (0..each).map(move |a| [each * front + a, each * back + a]);
         Self {
-            pairs: self.pairs.iter().flat_map(of).collect(),
+            pairs: self.pairs.iter().flat_map(pairs).collect(),
             transmittance: basis.coefficients_of(&self.transmittance),
         }
     }

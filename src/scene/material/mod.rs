@@ -332,8 +332,8 @@ impl Material {
     /// what comes through.
     pub fn highest_albedo(&self, side: Side) -> f64 {
         let through = |c: usize| self.transmittance().map_or(0.0, |tau| tau[c]);
-        let of = |(c, rho): (usize, &f64)| rho + through(c);
-        self.reflectance_of(side).iter().enumerate().map(of).fold(0.0, f64::max)
+        let goes_on = |(c, rho): (usize, &f64)| rho + through(c);
+        self.reflectance_of(side).iter().enumerate().map(goes_on).fold(0.0, f64::max)
     }
 }
 

@@ -56,8 +56,9 @@ impl Media {
         let faces: Vec<u32> =
             (0..solids.len()).filter(|&k| meets_another(k)).flat_map(|k| &solids[k]).copied().collect();
         let centre = |face: u32| tracer.corners(face as usize).iter().sum::<DVec3>() / 3.0;
-        let of = |&face: &u32| tracer.looked_around(centre(face), face, tracer.normals[face as usize]);
-        let found: Vec<f64> = faces.par_iter().map(of).collect();
+        let index_before =
+            |&face: &u32| tracer.looked_around(centre(face), face, tracer.normals[face as usize]);
+        let found: Vec<f64> = faces.par_iter().map(index_before).collect();
         if found.iter().all(|&index| index == 1.0) {
             return Self { bounds, before: Vec::new() };
         }

@@ -76,11 +76,11 @@ impl FormFactors {
         progress: Progress,
     ) -> Result<Self, Cancelled> {
         progress.at("balance", 0.0)?;
-        let of = |tone: usize| {
+        let exchange = |tone: usize| {
             let selection = Selection { rows: &rows, patches, tone, left_out: None };
             Exchange::from_rows(&selection, storage, progress)
         };
-        let exchanges = (0..rows.tones.len()).map(of).collect::<Result<_, _>>()?;
+        let exchanges = (0..rows.tones.len()).map(exchange).collect::<Result<_, _>>()?;
         let (rays, tones) = (rows.recipe.count.rays, rows.tones.clone());
         let disagreements = disagreements(&rows, patches);
         let rows = (keep == Keep::Rays).then(|| Arc::new(rows));

@@ -86,14 +86,14 @@ fn joined(a: &Row, b: &Row, share: f64) -> Row {
 /// Of each batch first the one's, then the other's.
 fn interleaved<T: Copy>(a: &[T], b: &[T]) -> Vec<T> {
     let batches = BATCHES as usize;
-    let of = |all: &[T], batch: usize| {
+    let stretch = |all: &[T], batch: usize| {
         let size = all.len() / batches;
         batch * size..(batch + 1) * size
     };
     let mut all = Vec::with_capacity(a.len() + b.len());
     for batch in 0..batches {
-        all.extend_from_slice(&a[of(a, batch)]);
-        all.extend_from_slice(&b[of(b, batch)]);
+        all.extend_from_slice(&a[stretch(a, batch)]);
+        all.extend_from_slice(&b[stretch(b, batch)]);
     }
     all
 }

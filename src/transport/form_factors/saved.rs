@@ -265,7 +265,7 @@ fn geometry_hash(scene: &Scene) -> u64 {
 
 /// A hash of which faces could send out light.
 fn light_hash(scene: &Scene) -> u64 {
-    let of = |k: usize| {
+    let flags = |k: usize| {
         let material = scene.material_of(k);
         let through = material.transmittance().is_some();
         let back = material.reflects_on(Side::Back) != material.reflects_on(Side::Front);
@@ -274,5 +274,5 @@ fn light_hash(scene: &Scene) -> u64 {
             + 4 * u8::from(back)
             + 8 * u8::from(through)
     };
-    xxh3_64(&(0..scene.faces().len()).map(of).collect::<Vec<_>>())
+    xxh3_64(&(0..scene.faces().len()).map(flags).collect::<Vec<_>>())
 }

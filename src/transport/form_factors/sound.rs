@@ -48,12 +48,12 @@ fn unevenness(exchange: &Exchange) -> f64 {
     let n = exchange.len();
     let vector = |step: f64| DMatrix::from_fn(n, 1, |i, _| 0.5 + (step * i as f64).fract());
     let [x, y] = [vector(0.618_033_988_749_895), vector(0.414_213_562_373_095)];
-    let of = |a: &DMatrix<f64>, b: &DMatrix<f64>| {
+    let product_with = |a: &DMatrix<f64>, b: &DMatrix<f64>| {
         let mut product = DMatrix::zeros(n, 1);
         exchange.apply(b, &mut product);
         a.dot(&product)
     };
-    let [here, there] = [of(&x, &y), of(&y, &x)];
+    let [here, there] = [product_with(&x, &y), product_with(&y, &x)];
     let size = here.abs() + there.abs();
     if size > 0.0 { (here - there).abs() / size } else { here - there }
 }

@@ -291,11 +291,11 @@ impl<'a> Setting<'a> {
 
     /// Takes off what pairs of points found too much only because too many of them were bright.
     fn take_off_excess(&self, lamps: &mut [Vec<Lanes>], known: &Known) {
-        let of = |i: usize| match self.row_of[i] {
+        let excess_of = |i: usize| match self.row_of[i] {
             Some(row) if !self.is_lamp[i] => row.lamps.excess.map(f64::from),
             _ => [0.0; BATCHES as usize],
         };
-        let excess: Vec<_> = (0..self.is_lamp.len()).map(of).collect();
+        let excess: Vec<_> = (0..self.is_lamp.len()).map(excess_of).collect();
         lamps.par_iter_mut().enumerate().for_each(|(batch, sums)| {
             for ((sum, excess), from_lamps) in sums.iter_mut().zip(&excess).zip(&known.from_lamps) {
                 add(sum, -excess[batch], from_lamps);

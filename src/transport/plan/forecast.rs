@@ -209,11 +209,11 @@ impl Forecast {
     /// All stages together: rays, seconds, and the bytes of what is held at once: rays and matrix, or matrix
     /// and factors.
     pub fn total(&self) -> Cost {
-        let of = |names: &[&str]| -> u64 {
+        let bytes_of = |names: &[&str]| -> u64 {
             self.stages.iter().filter(|s| names.contains(&s.name)).map(|s| s.cost.bytes).sum()
         };
-        let bytes = of(&["patch", "balance", "light"])
-            + of(&["trace"]).max(of(&["factor", "solve", "series", "render"]));
+        let bytes = bytes_of(&["patch", "balance", "light"])
+            + bytes_of(&["trace"]).max(bytes_of(&["factor", "solve", "series", "render"]));
         Cost { bytes, ..sum(&self.stages.iter().map(|stage| stage.cost).collect::<Vec<_>>()) }
     }
 }

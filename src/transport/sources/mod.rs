@@ -144,8 +144,8 @@ impl Sources {
         let by_lamps = |c: usize| self.lamps.as_ref().map_or(0.0, |lamps| lamps.arrived[c]);
         let arrived = |c: usize| self.direct.as_ref().map_or(0.0, |h| mass.sums().dot(&h.column(c)));
         let direct = |c: usize| arrived(c) - by_lamps(c) + kept(c);
-        let of = |c: usize| mass.unit() * (PI * mass.sums().dot(&self.emitted.column(c)) + direct(c));
-        (0..self.emitted.ncols()).map(of).collect()
+        let flux = |c: usize| mass.unit() * (PI * mass.sums().dot(&self.emitted.column(c)) + direct(c));
+        (0..self.emitted.ncols()).map(flux).collect()
     }
 }
 

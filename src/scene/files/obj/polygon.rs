@@ -173,8 +173,9 @@ mod tests {
 
     /// The area along an axis.
     fn area(corners: &[DVec3], triangles: &[[usize; 3]]) -> DVec3 {
-        let of = |&[a, b, c]: &[usize; 3]| (corners[b] - corners[a]).cross(corners[c] - corners[a]) / 2.0;
-        triangles.iter().map(of).sum()
+        let area_vector =
+            |&[a, b, c]: &[usize; 3]| (corners[b] - corners[a]).cross(corners[c] - corners[a]) / 2.0;
+        triangles.iter().map(area_vector).sum()
     }
 
     /// The sum of sizes, which is more than that of [`area`] where triangles overlap.

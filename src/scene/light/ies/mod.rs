@@ -357,7 +357,7 @@ mod tests {
     #[test]
     fn eulumdat_tables_of_every_symmetry_are_read() {
         let row = |angle: f64| [7.0, 4.5 + angle.to_radians().cos(), angle.to_radians().sin().abs()];
-        let of = |angles: &[f64]| angles.iter().map(|&angle| row(angle)).collect::<Vec<_>>();
+        let rows = |angles: &[f64]| angles.iter().map(|&angle| row(angle)).collect::<Vec<_>>();
         for (symmetry, stored) in [
             (0, &[0.0, 90.0, 180.0, 270.0][..]),
             (1, &[0.0]),
@@ -365,7 +365,7 @@ mod tests {
             (3, &[270.0, 0.0, 90.0]),
             (4, &[0.0, 90.0]),
         ] {
-            let table = parse(&eulumdat(symmetry, 4, &of(stored)));
+            let table = parse(&eulumdat(symmetry, 4, &rows(stored)));
             assert_eq!(table.luminous_size(), [0.2, 0.5, 0.0]);
             for &angle in stored {
                 // A conversion factor of a half, and 2 klm.
