@@ -1,6 +1,9 @@
 //! The option --effects: what it warns of, what it changes, what it refuses.
 
-use super::*;
+use std::path::Path;
+
+use super::{done, json, number, radiosity, refused, table, text};
+use crate::scratch::{Scratch, content, names};
 
 #[test]
 fn an_effect_that_is_switched_off_is_warned_of_and_kept_in_the_plan() {

@@ -1,6 +1,9 @@
 //! The form-factors command among coloured mirrors.
 
-use super::*;
+use std::fs;
+
+use super::{CUBE, radiosity, refused, text};
+use crate::scratch::Scratch;
 
 #[test]
 fn form_factors_among_coloured_mirrors_are_those_of_the_channel_that_is_asked_for() {

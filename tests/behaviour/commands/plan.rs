@@ -1,6 +1,9 @@
 //! The plan command: what it tells, and that it leaves no trace.
 
-use super::*;
+use serde_json::Value;
+
+use super::{SMALL, STAGES, done, json, radiosity, text};
+use crate::scratch::{Scratch, names};
 
 #[test]
 fn plan_tells_of_every_effect_and_stage_and_writes_nothing() {
