@@ -2,8 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::Side::*;
-use super::{Camera, Material, Mesh, Point, ROUNDING, Scene, block_area, box_area, inside, plus};
+use super::areas::{block_area, box_area};
+use super::mesh::Side::*;
+use super::mesh::{Mesh, Point, inside, plus};
+use super::scene::{Camera, Material, ROUNDING, Scene};
 
 pub fn mirror_room() -> Scene {
     let mut m = Mesh::default();

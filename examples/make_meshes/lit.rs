@@ -1,7 +1,10 @@
 //! The scenes whose light comes from sources without area: sun and sky, and spots.
 
-use super::Side::*;
-use super::*;
+use super::areas::box_area;
+use super::furniture::{chair, picture, table};
+use super::mesh::Side::*;
+use super::mesh::{Mesh, inside};
+use super::scene::{Camera, Material, ROUNDING, Scene};
 
 /// A room with an open window, under the sun and a clear sky.
 pub fn daylit_room() -> Scene {

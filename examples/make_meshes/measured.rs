@@ -7,9 +7,12 @@ use std::{fs, io};
 use image::Rgb;
 use image::codecs::hdr::HdrEncoder;
 
-use super::Side::*;
+use super::areas::{box_area, walls_area};
+use super::furniture::{chair, table};
+use super::mesh::Side::*;
+use super::mesh::{ALL, Mesh, STANDING, UPRIGHT};
+use super::scene::{Camera, Material, ROUNDING, Scene};
 use super::textured::{mix, noise, shade};
-use super::*;
 
 /// An office under six luminaires.
 pub fn office() -> Scene {

@@ -1,7 +1,12 @@
 //! The scene whose light comes through sheets: a roller blind and a lampshade.
 
-use super::Side::*;
-use super::*;
+use std::f64::consts::PI;
+
+use super::areas::{box_area, walls_area};
+use super::furniture::{chair, table};
+use super::mesh::Side::*;
+use super::mesh::{ALL, Mesh, STANDING, UPRIGHT, inside};
+use super::scene::{Camera, Material, ROUNDING, Scene};
 
 /// A room with a blind half down before its window, and a standard lamp.
 pub fn blinds() -> Scene {

@@ -5,8 +5,11 @@ use std::{fs, io};
 
 use image::{ImageFormat, Rgb, RgbImage};
 
-use super::Side::*;
-use super::*;
+use super::areas::{box_area, walls_area};
+use super::furniture::table;
+use super::mesh::Side::*;
+use super::mesh::{Mesh, UPRIGHT, inside, outside};
+use super::scene::{Camera, Material, ROUNDING, Scene};
 
 /// A living room with textures on floor, rug, wall, painting and screen.
 pub fn textured_room() -> Scene {
