@@ -17,32 +17,14 @@ use radiosity::transport::{
     FactorsFileError, FormFactors, Keep, Plan, StorageKind, TraceOptions, Transport, TransportError,
 };
 
-use crate::scenes::{flipped, quads, room};
+use crate::scenes::{BASES, cut, facing, flipped, load, quads, room};
 use crate::scratch::Scratch;
-
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
-
-fn load(path: &str) -> Scene {
-    Scene::load(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
-
-fn cut<'s>(tracer: &Tracer<'s>, size: PatchSize) -> Patches<'s> {
-    Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
-}
 
 /// A closed cube that glows and reflects half, with a box of the second material in its middle.
 fn furnace_with(inside: Material) -> Scene {
     let walls = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
     let block = room([0.3, 0.35, 0.25], [0.7, 0.6, 0.65]).map(|quad| (flipped(quad), 1));
     quads(&[walls, block].concat(), vec![Material::lamp("wall", &[0.5], &[1.0]), inside])
-}
-
-/// F between parallel unit squares at this distance (Howell C-11).
-fn facing(distance: f64) -> f64 {
-    let x: f64 = 1.0 / distance;
-    let root = (1.0 + x * x).sqrt();
-    let logarithm = ((1.0 + x * x) / (1.0 + 2.0 * x * x).sqrt()).ln();
-    2.0 / (PI * x * x) * (logarithm + 2.0 * x * root * (x / root).atan() - 2.0 * x * x.atan())
 }
 
 #[test]

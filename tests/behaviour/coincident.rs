@@ -10,9 +10,7 @@ use radiosity::solve::{self, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Sources, TraceOptions, Transport};
 
-use crate::scenes::{flipped, room};
-
-type Quad = [[f64; 3]; 4];
+use crate::scenes::{Quad, flipped, room};
 
 const WALL: u32 = 0;
 const LAMP: u32 = 1;

@@ -13,9 +13,7 @@ use radiosity::transport::{
     FormFactors, Keep, LightOptions, ReceiverRows, StorageKind, TraceOptions, Transport, TransportError,
 };
 
-use crate::scenes::{flipped, quads, room};
-
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
+use crate::scenes::{BASES, cut_into as cut, flipped, quads, room};
 
 /// A closed room with a wall of this material and a lamp under the ceiling; grey all over but for that wall.
 fn room_with(wall: Material) -> Scene {
@@ -28,11 +26,6 @@ fn room_with(wall: Material) -> Scene {
     let materials =
         vec![Material::diffuse("wall", &grey(0.6)), wall, Material::lamp("lamp", &grey(0.0), &grey(10.0))];
     quads(&[&walls[..], &[(lamp, 2)]].concat(), materials)
-}
-
-fn cut<'s>(tracer: &Tracer<'s>, patches: usize) -> Patches<'s> {
-    let size = PatchSize::Count(patches);
-    Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
 }
 
 #[test]

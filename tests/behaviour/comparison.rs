@@ -9,9 +9,7 @@ use radiosity::solve::{self, Amplification, CgOptions, Problem};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
-fn mesh(name: &str) -> Scene {
-    Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
+use crate::scenes::mesh;
 
 /// Everything that is compared.
 struct Case<'s> {

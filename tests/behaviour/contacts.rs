@@ -2,14 +2,12 @@
 //! asked for.
 
 use glam::{DMat3, DVec3};
-use radiosity::patches::{PatchSize, Patches, Tessellation};
+use radiosity::patches::Patches;
 use radiosity::scene::{Material, Scene, Side};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions};
 
-use crate::scenes::{flipped, quads, room};
-
-type Quad = [[f64; 3]; 4];
+use crate::scenes::{Quad, cut_into as cut, flipped, quads, room};
 
 /// A room of 1 m with a lamp below its ceiling, a box of the given walls on its floor y = 0, turned a little.
 fn with_box(foot: [[f64; 2]; 4], walls: impl Fn([[f64; 2]; 4]) -> Vec<Quad>) -> Scene {
@@ -38,11 +36,6 @@ fn area_of(foot: [[f64; 2]; 4]) -> f64 {
         0.5 * (x * next_z - z * next_x)
     };
     (0..4).map(cross).sum::<f64>().abs()
-}
-
-fn cut<'s>(tracer: &Tracer<'s>, count: usize) -> Patches<'s> {
-    let size = PatchSize::Count(count);
-    Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
 }
 
 /// The area of the lit patches at height 0 that face up.

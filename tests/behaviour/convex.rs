@@ -8,18 +8,10 @@ use radiosity::transport::{
     Forecast, FormFactors, LightOptions, Occlusion, Plan, Solving, TraceOptions, Transport, Work,
 };
 
-use crate::scenes::{flipped, quads, room};
-
-fn mesh(name: &str) -> Scene {
-    Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
+use crate::scenes::{flipped, mesh, quads, room, traced};
 
 fn factors<'s>(scene: &'s Scene, count: usize, options: &TraceOptions) -> (Patches<'s>, FormFactors) {
-    let tracer = Tracer::new(scene);
-    let size = PatchSize::Count(count);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
-    let factors = FormFactors::trace(&tracer, &mut patches, options).unwrap();
-    (patches, factors)
+    traced(scene, PatchSize::Count(count), options)
 }
 
 /// A grey room with a lamp in a wall of its own, in the middle of the ceiling's plane but beside its faces.

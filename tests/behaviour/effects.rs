@@ -4,19 +4,13 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 use radiosity::measure::Energy;
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::Basis;
 use radiosity::scene::{Feature, Material, Scene, SceneParts, Side, Sky, SkyKind, luminance};
 use radiosity::solve::{Problem, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Shots, Sources, Switches, TraceOptions};
 
-use crate::scenes::{flipped, lit_quads, quads, room};
-
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
-
-fn mesh(name: &str) -> Scene {
-    Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
+use crate::scenes::{BASES, cut_into as cut, flipped, lit_quads, mesh, quads, room};
 
 fn switched(scene: Scene, switches: &str) -> (Scene, Vec<String>) {
     let (scene, _, told) = switches.parse::<Switches>().unwrap().apply(scene);
@@ -33,11 +27,6 @@ fn with_materials(scene: &Scene, materials: Vec<Material>) -> Scene {
         ..Default::default()
     })
     .unwrap()
-}
-
-fn cut<'s>(tracer: &Tracer<'s>, count: usize) -> Patches<'s> {
-    let size = PatchSize::Count(count);
-    Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
 }
 
 /// Irradiance of every patch, by means, with all effects the scene has.

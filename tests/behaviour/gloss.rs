@@ -4,7 +4,7 @@
 use std::io::Cursor;
 
 use radiosity::measure::{Difference, Energy};
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{PatchSize, Tessellation};
 use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Material, Scene};
@@ -14,13 +14,7 @@ use radiosity::transport::{
     FactorsFileError, FormFactors, Keep, Plan, StorageKind, TraceOptions, Transport, TransportError,
 };
 
-use crate::scenes::{flipped, quads, room};
-
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
-
-pub(crate) fn cut<'s>(tracer: &Tracer<'s>, size: PatchSize) -> Patches<'s> {
-    Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
-}
+use crate::scenes::{BASES, cut, flipped, quads, room};
 
 /// A closed cube that glows and reflects half, with a block of this material in it, and a floor of it.
 pub(crate) fn furnace_with(metal: Material) -> Scene {

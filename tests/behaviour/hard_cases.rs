@@ -6,21 +6,12 @@ use nalgebra::DMatrix;
 use radiosity::measure::Energy;
 use radiosity::patches::{Basis, PatchError, PatchSize, Patches, Reach, Tessellation};
 use radiosity::scene::{Face, FaceState, Material, Scene, SceneParts};
-use radiosity::solve::{self, Certainty, CgOptions, DirectOptions, NeumannOptions, Solution};
+use radiosity::solve::{self, Certainty, CgOptions, NeumannOptions, Solution};
 use radiosity::trace::Tracer;
 use radiosity::trace::sampling::Stream;
 use radiosity::transport::{FormFactors, StorageKind, TraceOptions, Transport};
 
-use crate::scenes::{flipped, quads, room};
-
-type Quad = [[f64; 3]; 4];
-
-const STORAGES: [StorageKind; 2] = [StorageKind::Dense, StorageKind::Sparse];
-
-/// Every way to hold every kind of elements.
-fn kinds() -> impl Iterator<Item = (Basis, StorageKind)> {
-    [Basis::Constant, Basis::Linear].into_iter().flat_map(|basis| STORAGES.map(|storage| (basis, storage)))
-}
+use crate::scenes::{Quad, STORAGES, direct, flipped, kinds, quads, room, traced};
 
 fn factors<'s>(scene: &'s Scene, size: PatchSize, storage: StorageKind) -> (Patches<'s>, FormFactors) {
     factors_of(scene, size, 64, (Basis::Constant, storage))
@@ -32,15 +23,7 @@ fn factors_of<'s>(
     rays: u32,
     (basis, storage): (Basis, StorageKind),
 ) -> (Patches<'s>, FormFactors) {
-    let tracer = Tracer::new(scene);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
-    let options = TraceOptions { rays: Some(rays), basis, storage, ..Default::default() };
-    let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
-    (patches, factors)
-}
-
-fn direct(k: &Transport, e: &DMatrix<f64>) -> Solution {
-    solve::direct(k, &DirectOptions::default()).unwrap().solve(e)
+    traced(scene, size, &TraceOptions { rays: Some(rays), basis, storage, ..Default::default() })
 }
 
 fn iterative(k: &Transport, e: &DMatrix<f64>) -> [Solution; 2] {

@@ -13,10 +13,8 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{Exchange, FormFactors, Storage, TraceOptions};
 use serde_json::Value;
 
-use crate::scenes::{flipped, quads, room};
+use crate::scenes::{Quad, flipped, quads, room};
 use crate::scratch::{Scratch, names};
-
-type Quad = [[f64; 3]; 4];
 
 /// The operator's findings.
 const OPERATOR: [&str; 5] = ["closure", "reciprocity", "row sums", "‖K‖∞", "condition"];

@@ -6,9 +6,7 @@ use radiosity::solve;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
-use crate::scenes::{flipped, quads, room};
-
-type Quad = [[f64; 3]; 4];
+use crate::scenes::{Quad, flipped, quads, room};
 
 fn sheet(low: [f64; 2], high: [f64; 2], y: f64) -> Quad {
     [[low[0], y, low[1]], [low[0], y, high[1]], [high[0], y, high[1]], [high[0], y, low[1]]]

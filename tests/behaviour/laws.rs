@@ -3,31 +3,18 @@
 use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
 use radiosity::measure::{Energy, RelativeRms};
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches};
 use radiosity::reference::ReferenceRow;
 use radiosity::scene::{Material, Scene, SceneParts};
 use radiosity::solve::{
     self, Certainty, CgOptions, DirectOptions, Method, NeumannOptions, Problem, Solution, SolveOptions,
 };
-use radiosity::trace::Tracer;
 use radiosity::transport::{Exchange, FormFactors, Sources, StorageKind, TraceOptions, Transport};
 
-use crate::scenes::{quads, room};
+use crate::scenes::{BASES, STORAGES, difference, every_solver_to, kinds, mesh, quads, room, traced};
 
 const MESHES: [&str; 6] =
     ["cornell_box", "furnace_cube", "furnace_sphere", "facing_plates", "two_rooms", "furnished_room"];
-const STORAGES: [StorageKind; 2] = [StorageKind::Dense, StorageKind::Sparse];
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
-
-/// Every way to hold every kind of elements.
-fn kinds() -> impl Iterator<Item = (Basis, StorageKind)> {
-    BASES.into_iter().flat_map(|basis| STORAGES.map(|storage| (basis, storage)))
-}
-
-fn mesh(name: &str) -> Scene {
-    Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
-
 fn factors<'s>(
     scene: &'s Scene,
     count: usize,
@@ -43,27 +30,13 @@ fn factors_of<'s>(
     rays: u32,
     (basis, storage): (Basis, StorageKind),
 ) -> (Patches<'s>, FormFactors) {
-    let tracer = Tracer::new(scene);
-    let size = PatchSize::Count(count);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
     let options = TraceOptions { rays: Some(rays), basis, storage, ..Default::default() };
-    let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
-    (patches, factors)
+    traced(scene, PatchSize::Count(count), &options)
 }
 
 /// Every solver's answer, to a residual of 1e-10 or better.
 fn every_solver(k: &Transport, e: &DMatrix<f64>) -> [Solution; 3] {
-    let cg = CgOptions { tolerance: 1e-10, ..Default::default() };
-    let neumann = NeumannOptions { tolerance: 1e-10, ..Default::default() };
-    [
-        solve::direct(k, &DirectOptions::default()).unwrap().solve(e),
-        solve::conjugate_gradients(k, e, &cg).unwrap(),
-        solve::neumann(k, e, &neumann).unwrap().solution,
-    ]
-}
-
-fn difference(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
-    (a - b).amax() / b.amax()
+    every_solver_to(1e-10, k, e)
 }
 
 /// The largest over channels of √(∫ (a − b)² dA / ∫ b² dA).

@@ -5,17 +5,15 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use nalgebra::DMatrix;
 use radiosity::measure::{Energy, RelativeRms};
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches};
 use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::scene::{Light, Material, Scene, SceneError, Side, Sky, SkyKind};
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Problem};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
-use crate::scenes::{lit_quads, room};
+use crate::scenes::{BASES, cut, lit_quads, room, sky, sun};
 use crate::scratch::Scratch;
-
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
 
 /// A square of this half-width on the ground, facing up.
 fn ground(half: f64) -> [[f64; 3]; 4] {
@@ -28,18 +26,6 @@ fn grey(reflectance: f64) -> Vec<Material> {
 
 fn point(position: [f64; 3], intensity: f64) -> Light {
     Light::Point { position: position.into(), intensity: vec![intensity] }
-}
-
-fn sun(direction: [f64; 3], irradiance: f64, diameter: f64) -> Light {
-    Light::Sun { direction: DVec3::from(direction).normalize(), irradiance: vec![irradiance], diameter }
-}
-
-fn sky(kind: SkyKind, zenith: f64) -> Sky {
-    Sky { kind, up: DVec3::Y, zenith: vec![zenith], ground: 0.0 }
-}
-
-fn cut<'s>(tracer: &Tracer<'s>, size: PatchSize) -> Patches<'s> {
-    Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
 }
 
 /// H₀ of every patch of a scene, by means over patches.

@@ -11,9 +11,7 @@ use radiosity::trace::sampling::{Stream, uniform_triangle};
 use radiosity::trace::{Tracer, form_factor_to_triangle};
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
-use crate::scenes::{quads, room};
-
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
+use crate::scenes::{BASES, quads, room};
 
 fn factors<'s>(tracer: &Tracer<'s>, edge: f64, rays: u32, basis: Basis) -> (Patches<'s>, FormFactors) {
     let size = PatchSize::Edge(edge);

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use radiosity::measure::{Difference, Energy};
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::PatchSize;
 use radiosity::progress::Progress;
 use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::scene::{Material, Scene};
@@ -13,16 +13,10 @@ use radiosity::solve::{self, DirectOptions, SolveOptions};
 use radiosity::trace::{Hit, Ray, Scattered, Tracer};
 use radiosity::transport::{FormFactors, Keep, TraceOptions, Transport};
 
-use crate::scenes::{flipped, quads, room};
-
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
+use crate::scenes::{BASES, cut, flipped, quads, room};
 
 const WATER: f64 = 1.33;
 const GLASS: f64 = 1.5;
-
-fn cut<'s>(tracer: &Tracer<'s>, size: PatchSize) -> Patches<'s> {
-    Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
-}
 
 fn block(half: f64, material: u32) -> [([[f64; 3]; 4], u32); 6] {
     room([-half; 3], [half; 3]).map(|quad| (flipped(quad), material))

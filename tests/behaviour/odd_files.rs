@@ -6,15 +6,11 @@ use std::fs;
 use glam::DVec3;
 use radiosity::scene::{Loading, Scene, Surface};
 
+use crate::files::loaded;
 use crate::scratch::Scratch;
 
 /// A square of material `m` from `a.mtl`.
 const SQUARE: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl m\nf 1 2 3 4\n";
-
-#[track_caller]
-fn loaded<C: AsRef<[u8]>>(files: &[(&str, C)]) -> Scene {
-    Scene::load(Scratch::with(files).path("a.obj")).unwrap_or_else(|e| panic!("{e}"))
-}
 
 /// The square with these lines of its material.
 #[track_caller]

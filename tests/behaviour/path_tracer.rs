@@ -11,11 +11,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-use crate::scenes::{quads, room};
-
-fn load(path: &str) -> Scene {
-    Scene::load(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
-}
+use crate::scenes::{load, quads, room};
 
 /// Faces as they are, each a patch.
 fn faces<'s>(tracer: &Tracer<'s>) -> Patches<'s> {

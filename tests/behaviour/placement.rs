@@ -5,10 +5,8 @@ use radiosity::measure::odd_placement;
 use radiosity::scene::{Light, Material, Receiver, Scene, SceneParts, Sky, SkyKind};
 use radiosity::trace::Tracer;
 
-use crate::scenes::{flipped, lit_quads, room};
+use crate::scenes::{Quad, flipped, lit_quads, room};
 use crate::scratch::Scratch;
-
-type Quad = [[f64; 3]; 4];
 
 const LAMP: Quad = [[0.4, 0.9, 0.4], [0.6, 0.9, 0.4], [0.6, 0.9, 0.6], [0.4, 0.9, 0.6]];
 

@@ -7,11 +7,7 @@ use radiosity::transport::{
     Cost, Forecast, FormFactors, LightOptions, Plan, Solving, StorageKind, TraceOptions, Work,
 };
 
-use crate::scenes::{quads, room};
-
-fn mesh(name: &str) -> Scene {
-    Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
+use crate::scenes::{mesh, quads, room};
 
 fn forecast(tracer: &Tracer, size: PatchSize, trace: &TraceOptions, solving: Solving) -> Forecast {
     let work = Work {

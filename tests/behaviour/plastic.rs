@@ -16,11 +16,9 @@ use radiosity::transport::{
     Switches, TraceOptions, Transport, TransportError, Work,
 };
 
-use crate::gloss::{cut, difference_in_a_room, furnace_with, paths};
-use crate::scenes::{lit_quads, quads, room};
+use crate::gloss::{difference_in_a_room, furnace_with, paths};
+use crate::scenes::{BASES, cut, lit_quads, quads, room};
 use crate::scratch::Scratch;
-
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
 
 /// Coats by roughness and index.
 const COATS: [(f64, f64); 3] = [(0.0, 1.5), (0.4, 1.5), (1.0, 2.0)];

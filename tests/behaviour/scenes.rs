@@ -1,17 +1,45 @@
-//! Small scenes, made on the spot.
+//! Small scenes, made on the spot, the scenes of the project, and what many tests do with either.
+
+use std::f64::consts::PI;
 
 use glam::DVec3;
-use radiosity::scene::{Face, FaceState, Light, Material, Scene, SceneParts, Sky};
+use nalgebra::DMatrix;
+use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::scene::{Face, FaceState, Light, Material, Scene, SceneParts, Sky, SkyKind};
+use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Solution};
+use radiosity::trace::Tracer;
+use radiosity::transport::{FormFactors, StorageKind, TraceOptions, Transport};
+
+/// The corners of a quadrilateral, counter-clockwise seen from the front.
+pub type Quad = [[f64; 3]; 4];
+
+pub const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
+pub const STORAGES: [StorageKind; 2] = [StorageKind::Dense, StorageKind::Sparse];
+
+/// Every way to hold every kind of elements.
+pub fn kinds() -> impl Iterator<Item = (Basis, StorageKind)> {
+    BASES.into_iter().flat_map(|basis| STORAGES.map(|storage| (basis, storage)))
+}
+
+/// A scene by its path in the project.
+pub fn load(path: &str) -> Scene {
+    Scene::load(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// One of the example scenes.
+pub fn mesh(name: &str) -> Scene {
+    load(&format!("meshes/{name}.obj"))
+}
 
 /// Quadrilaterals by their corners, counter-clockwise seen from the front, each an object of its own with the
 /// material of the given index.
-pub fn quads(quads: &[([[f64; 3]; 4], u32)], materials: Vec<Material>) -> Scene {
+pub fn quads(quads: &[(Quad, u32)], materials: Vec<Material>) -> Scene {
     lit_quads(quads, materials, Vec::new(), None)
 }
 
 /// The same with lights without area and a sky.
 pub fn lit_quads(
-    quads: &[([[f64; 3]; 4], u32)],
+    quads: &[(Quad, u32)],
     materials: Vec<Material>,
     lights: Vec<Light>,
     sky: Option<Sky>,
@@ -35,7 +63,7 @@ pub fn lit_quads(
 }
 
 /// The box from `low` to `high` seen from inside: quads x, y, z at the low end, then at the high end.
-pub fn room(low: [f64; 3], high: [f64; 3]) -> [[[f64; 3]; 4]; 6] {
+pub fn room(low: [f64; 3], high: [f64; 3]) -> [Quad; 6] {
     let [a, b] = [low, high];
     [
         [[a[0], a[1], a[2]], [a[0], b[1], a[2]], [a[0], b[1], b[2]], [a[0], a[1], b[2]]],
@@ -48,6 +76,68 @@ pub fn room(low: [f64; 3], high: [f64; 3]) -> [[[f64; 3]; 4]; 6] {
 }
 
 /// A quad's other side.
-pub fn flipped([a, b, c, d]: [[f64; 3]; 4]) -> [[f64; 3]; 4] {
+pub fn flipped([a, b, c, d]: Quad) -> Quad {
     [a, d, c, b]
+}
+
+/// A square of this half-width at this height, facing up.
+pub fn square(y: f64, half: f64) -> Quad {
+    [[-half, y, -half], [-half, y, half], [half, y, half], [half, y, -half]]
+}
+
+/// A sun that shines along `direction`, as wide as `diameter` degrees.
+pub fn sun(direction: [f64; 3], irradiance: f64, diameter: f64) -> Light {
+    Light::Sun { direction: DVec3::from(direction).normalize(), irradiance: vec![irradiance], diameter }
+}
+
+/// A sky over black ground, up along y.
+pub fn sky(kind: SkyKind, zenith: f64) -> Sky {
+    Sky { kind, up: DVec3::Y, zenith: vec![zenith], ground: 0.0 }
+}
+
+/// The patches of a scene that light can reach.
+pub fn cut<'s>(tracer: &Tracer<'s>, size: PatchSize) -> Patches<'s> {
+    Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
+}
+
+/// The same into about this many patches.
+pub fn cut_into<'s>(tracer: &Tracer<'s>, count: usize) -> Patches<'s> {
+    cut(tracer, PatchSize::Count(count))
+}
+
+/// A scene's patches and the form factors between them.
+pub fn traced<'s>(scene: &'s Scene, size: PatchSize, options: &TraceOptions) -> (Patches<'s>, FormFactors) {
+    let tracer = Tracer::new(scene);
+    let mut patches = cut(&tracer, size);
+    let factors = FormFactors::trace(&tracer, &mut patches, options).unwrap();
+    (patches, factors)
+}
+
+/// The direct solver's answer.
+pub fn direct(k: &Transport, e: &DMatrix<f64>) -> Solution {
+    solve::direct(k, &DirectOptions::default()).unwrap().solve(e)
+}
+
+/// Every solver's answer, to this residual or better.
+pub fn every_solver_to(tolerance: f64, k: &Transport, e: &DMatrix<f64>) -> [Solution; 3] {
+    let cg = CgOptions { tolerance, ..Default::default() };
+    let neumann = NeumannOptions { tolerance, ..Default::default() };
+    [
+        direct(k, e),
+        solve::conjugate_gradients(k, e, &cg).unwrap(),
+        solve::neumann(k, e, &neumann).unwrap().solution,
+    ]
+}
+
+/// The largest |a − b| over the largest |b|.
+pub fn difference(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
+    (a - b).amax() / b.amax()
+}
+
+/// F between parallel unit squares at this distance (Howell C-11).
+pub fn facing(distance: f64) -> f64 {
+    let x: f64 = 1.0 / distance;
+    let root = (1.0 + x * x).sqrt();
+    let logarithm = ((1.0 + x * x) / (1.0 + 2.0 * x * x).sqrt()).ln();
+    2.0 / (PI * x * x) * (logarithm + 2.0 * x * root * (x / root).atan() - 2.0 * x * x.atan())
 }

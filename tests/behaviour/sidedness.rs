@@ -13,10 +13,8 @@ use radiosity::solve::{self, Problem};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions, Transport};
 
-use crate::scenes::{flipped, lit_quads, quads, room};
+use crate::scenes::{BASES, flipped, lit_quads, quads, room};
 use crate::scratch::Scratch;
-
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
 
 /// Radiance of lamps, W·sr⁻¹·m⁻².
 const LAMP: f64 = 30.0;

@@ -5,17 +5,15 @@ use std::path::Path;
 use glam::DVec3;
 use nalgebra::DMatrix;
 use radiosity::measure::{Energy, ErrorBars, ErrorPart};
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches};
 use radiosity::progress::Progress;
 use radiosity::scene::{Light, Material, Scene};
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Problem, Solution, SolveError};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, Transport};
 
-use crate::scenes::{flipped, lit_quads, quads, room};
+use crate::scenes::{BASES, direct, flipped, lit_quads, quads, room, traced};
 use crate::scratch::Scratch;
-
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
 
 /// What conjugate gradients and the series are asked for; 0 is all that rounding leaves.
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 0.0];
@@ -24,16 +22,8 @@ const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 0.0];
 const ROUNDING: f64 = 1e-11;
 
 fn factors<'s>(scene: &'s Scene, count: usize, (basis, rays): (Basis, u32)) -> (Patches<'s>, FormFactors) {
-    let tracer = Tracer::new(scene);
-    let size = PatchSize::Count(count);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
     let options = TraceOptions { rays: Some(rays), basis, keep: Keep::Rays, ..Default::default() };
-    let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
-    (patches, factors)
-}
-
-fn directly(k: &Transport, e: &DMatrix<f64>) -> Solution {
-    solve::direct(k, &DirectOptions::default()).unwrap().solve(e)
+    traced(scene, PatchSize::Count(count), &options)
 }
 
 /// max |ΔH| / max(H, H_rms/1000), the largest over channels.
@@ -49,7 +39,7 @@ fn worst(k: &Transport, found: &DMatrix<f64>, exact: &DMatrix<f64>) -> f64 {
 /// Holds every iterative solver against the direct one, at all tolerances.
 #[track_caller]
 fn agree(k: &Transport, e: &DMatrix<f64>, what: &str) {
-    let exact = directly(k, e).irradiance;
+    let exact = direct(k, e).irradiance;
     for tolerance in TOLERANCES {
         let cg = CgOptions { tolerance, ..Default::default() };
         let cg = solve::conjugate_gradients(k, e, &cg).unwrap_or_else(|error| panic!("{what}: {error}"));

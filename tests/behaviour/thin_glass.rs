@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use radiosity::measure::Energy;
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize};
 use radiosity::progress::Progress;
 use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::render::{self, RenderOptions, Shading};
@@ -12,19 +12,8 @@ use radiosity::solve::{self, Problem, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, Plan, Sources, TraceOptions, Transport};
 
-use crate::scenes::{flipped, lit_quads, quads, room};
+use crate::scenes::{BASES, cut, flipped, lit_quads, quads, room, square};
 use crate::scratch::Scratch;
-
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
-
-fn cut<'s>(tracer: &Tracer<'s>, size: PatchSize) -> Patches<'s> {
-    Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
-}
-
-/// A level square, fronting up.
-fn square(y: f64, half: f64) -> [[f64; 3]; 4] {
-    [[-half, y, -half], [-half, y, half], [half, y, half], [half, y, -half]]
-}
 
 #[test]
 fn a_sheet_passes_and_reflects_what_both_surfaces_of_a_slab_do() {

@@ -10,8 +10,8 @@ use radiosity::solve::Problem;
 use radiosity::trace::{Tracer, fresnel, solid_angle};
 use radiosity::transport::FormFactors;
 
-use super::{BASES, carried, cut, flux, point, square, standard_errors, sun, trace};
-use crate::scenes::{flipped, lit_quads, room};
+use super::{carried, flux, point, standard_errors, trace};
+use crate::scenes::{BASES, cut, flipped, lit_quads, room, square, sun};
 
 #[test]
 fn a_point_light_over_a_mirror_is_two_lights() {

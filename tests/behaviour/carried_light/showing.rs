@@ -10,8 +10,8 @@ use radiosity::scene::{Camera, Material, Receiver, SkyKind};
 use radiosity::trace::Tracer;
 use radiosity::transport::{LightOptions, Plan, ReceiverRows};
 
-use super::{cut, point, sky, square, sun, trace};
-use crate::scenes::lit_quads;
+use super::{point, trace};
+use crate::scenes::{cut, lit_quads, sky, square, sun};
 
 #[test]
 fn scenes_without_anything_that_carries_light_have_none_carried() {

@@ -9,16 +9,8 @@ use radiosity::scene::{Environment, Material, Pixels, Side, Sky, SkyKind};
 use radiosity::trace::Tracer;
 use radiosity::transport::{LightOptions, Shots, Sources};
 
-use super::{BASES, carried, cut, flux, sky, square, standard_errors, trace};
-use crate::scenes::{flipped, lit_quads, room};
-
-/// F between parallel unit squares at this distance (Howell C-11).
-fn facing(distance: f64) -> f64 {
-    let x: f64 = 1.0 / distance;
-    let root = (1.0 + x * x).sqrt();
-    let logarithm = ((1.0 + x * x) / (1.0 + 2.0 * x * x).sqrt()).ln();
-    2.0 / (PI * x * x) * (logarithm + 2.0 * x * root * (x / root).atan() - 2.0 * x * x.atan())
-}
+use super::{carried, flux, standard_errors, trace};
+use crate::scenes::{BASES, cut, facing, flipped, lit_quads, room, sky, square};
 
 #[test]
 fn a_plate_over_a_mirror_sees_the_sky_in_it_but_for_itself() {

@@ -33,7 +33,7 @@ fn load<C: AsRef<[u8]>>(files: &[(&str, C)]) -> Result<Scene, SceneError> {
 }
 
 #[track_caller]
-fn loaded<C: AsRef<[u8]>>(files: &[(&str, C)]) -> Scene {
+pub(crate) fn loaded<C: AsRef<[u8]>>(files: &[(&str, C)]) -> Scene {
     load(files).unwrap_or_else(|e| panic!("{e}"))
 }
 

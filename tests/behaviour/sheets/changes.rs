@@ -9,7 +9,8 @@ use radiosity::solve::{self, DirectOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, Plan, StorageKind, Switches, TraceOptions, Transport};
 
-use super::{around, difference, factors, gauze, paper};
+use super::{around, factors, gauze, paper};
+use crate::scenes::difference;
 
 #[test]
 fn saved_form_factors_serve_when_a_wall_becomes_translucent() {

@@ -13,7 +13,8 @@ use radiosity::transport::{
     Exchange, FormFactors, Reflection, Storage, TraceOptions, Transport, TransportError,
 };
 
-use super::{BASES, every_solver, two_cubes};
+use super::{every_solver, two_cubes};
+use crate::scenes::BASES;
 
 #[test]
 fn a_furnace_is_exact_on_both_sides_of_a_sheet() {

@@ -11,7 +11,8 @@ use radiosity::solve::{self, CgOptions, Problem};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, Transport};
 
-use super::{BASES, around, factors, gauze, paper};
+use super::{around, factors, gauze, paper};
+use crate::scenes::BASES;
 
 #[test]
 fn light_paths_through_sheets_agree_with_the_matrix() {

@@ -8,29 +8,16 @@ mod sides; // what each reflects, and what comes through
 mod solvers; // the same light, none lost, bounds, the same bits
 
 use nalgebra::DMatrix;
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches};
 use radiosity::scene::{Material, Scene};
-use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Solution};
-use radiosity::trace::Tracer;
+use radiosity::solve::Solution;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
-use crate::scenes::{quads, room};
-
-const BASES: [Basis; 2] = [Basis::Constant, Basis::Linear];
+use crate::scenes::{every_solver_to, quads, room, traced};
 
 /// Every solver's answer, to a residual of 1e-11.
 fn every_solver(k: &Transport, e: &DMatrix<f64>) -> [Solution; 3] {
-    let cg = CgOptions { tolerance: 1e-11, ..Default::default() };
-    let neumann = NeumannOptions { tolerance: 1e-11, ..Default::default() };
-    [
-        solve::direct(k, &DirectOptions::default()).unwrap().solve(e),
-        solve::conjugate_gradients(k, e, &cg).unwrap(),
-        solve::neumann(k, e, &neumann).unwrap().solution,
-    ]
-}
-
-fn difference(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
-    (a - b).amax() / b.amax()
+    every_solver_to(1e-11, k, e)
 }
 
 /// Two cubes of 1 m that share a wall, the first with material 0 and a lamp 2 in its ceiling, the second with
@@ -63,9 +50,5 @@ fn gauze() -> Material {
 }
 
 fn factors<'s>(scene: &'s Scene, size: PatchSize, (basis, rays): (Basis, u32)) -> (Patches<'s>, FormFactors) {
-    let tracer = Tracer::new(scene);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
-    let options = TraceOptions { rays: Some(rays), basis, ..Default::default() };
-    let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
-    (patches, factors)
+    traced(scene, size, &TraceOptions { rays: Some(rays), basis, ..Default::default() })
 }

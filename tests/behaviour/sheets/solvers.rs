@@ -8,7 +8,8 @@ use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, StorageKind, TraceOptions, Transport};
 
-use super::{around, difference, every_solver, factors, gauze, paper};
+use super::{around, every_solver, factors, gauze, paper};
+use crate::scenes::difference;
 
 #[test]
 fn bounds_hold_through_sheets() {
