@@ -73,13 +73,13 @@ impl Energy {
             })
         };
         let [absorbed, reflected] = [weigh(&|passed_on| 1.0 - passed_on), weigh(&|passed_on| passed_on)];
-        let [carriers, given_up] = kept(sources, k.channels(), unit);
+        let [carriers, given_up] = kept(sources, k.channels());
         let mut energy = Self {
             emitted: sources.flux(k.mass()),
             absorbed,
-            escaped: of_channels(&|c| unit * lamps.escaped[c]),
-            carriers: of_channels(&|c| carriers[c] + unit * lamps.absorbed[c]),
-            lost: of_channels(&|c| reflected[c] + given_up[c] + unit * lamps.lost[c]),
+            escaped: of_channels(&|c| lamps.unit * lamps.escaped[c]),
+            carriers: of_channels(&|c| carriers[c] + lamps.unit * lamps.absorbed[c]),
+            lost: of_channels(&|c| reflected[c] + given_up[c] + lamps.unit * lamps.lost[c]),
             slack: vec![0.0; k.channels()],
             imbalance: 0.0,
             imbalance_error: 0.0,
@@ -88,7 +88,7 @@ impl Energy {
             let off = energy.imbalance_of(c);
             if off >= energy.imbalance {
                 energy.imbalance = off;
-                energy.imbalance_error = unit * lamps.standard_error[c] / energy.emitted[c];
+                energy.imbalance_error = lamps.unit * lamps.standard_error[c] / energy.emitted[c];
             }
         }
         energy
@@ -124,7 +124,7 @@ impl Energy {
         let escaped = weigh(&|i, c| PI * k.exchange_of(c).ends().escape(i) * l[(i, c)]);
         let mut carriers = weigh(&|i, c| PI * k.exchange_of(c).ends().absorbed(i) * l[(i, c)]);
         let mut lost = weigh(&|i, c| PI * k.exchange_of(c).ends().lost(i) * l[(i, c)]);
-        for (sum, kept) in [&mut carriers, &mut lost].into_iter().zip(kept(sources, channels, unit)) {
+        for (sum, kept) in [&mut carriers, &mut lost].into_iter().zip(kept(sources, channels)) {
             sum.iter_mut().zip(kept).for_each(|(sum, kept)| *sum += kept);
         }
         let slack = weigh(&|i, c| PI * k.exchange_of(c).ends().slack[i] * l[(i, c)]);
@@ -136,11 +136,10 @@ impl Energy {
 }
 
 /// What carriers absorb, and what is given up, on the way from lights without area; per channel.
-fn kept(sources: &Sources, channels: usize, unit: f64) -> [Vec<f64>; 2] {
+fn kept(sources: &Sources, channels: usize) -> [Vec<f64>; 2] {
     match &sources.carried {
-        Some(carried) => {
-            [&carried.absorbed, &carried.lost].map(|flux| flux.iter().map(|flux| unit * flux).collect())
-        }
+        Some(carried) => [&carried.absorbed, &carried.lost]
+            .map(|flux| flux.iter().map(|flux| carried.unit * flux).collect()),
         None => [vec![0.0; channels], vec![0.0; channels]],
     }
 }

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::cut::Barycentrics;
 use super::{Patches, Slot};
 use crate::scene::Side;
+use crate::scene::triangle;
 use crate::trace::{Coat, Interaction, Ray, Tracer, sampling, solid_angle};
 
 /// One side of a cell: a triangle that sees.
@@ -37,9 +38,7 @@ impl<'t> Facet<'t> {
     /// The point that lies where [u, v] in the unit square does, uniform over the triangle.
     #[inline]
     pub fn point(&self, square: [f64; 2]) -> DVec3 {
-        let [a, b, c] = self.corners;
-        let [u, v] = sampling::uniform_triangle(square);
-        a + (b - a) * u + (c - a) * v
+        triangle::point(&self.corners, sampling::uniform_triangle(square))
     }
 
     /// Where light from a point is looked for: drawn by solid angle where the point is near, so that no part
@@ -48,8 +47,8 @@ impl<'t> Facet<'t> {
     pub fn target(&self, from: DVec3, square: [f64; 2]) -> Target {
         let [a, b, c] = self.corners;
         let uniform = || {
-            let [u, v] = sampling::uniform_triangle(square);
-            Target { point: a + (b - a) * u + (c - a) * v, barycentrics: [u, v], density: 1.0 }
+            let barycentrics = sampling::uniform_triangle(square);
+            Target { point: triangle::point(&self.corners, barycentrics), barycentrics, density: 1.0 }
         };
         let centre = self.centre();
         let squared = self.corners.map(|corner| corner.distance_squared(centre));
@@ -72,8 +71,8 @@ impl<'t> Facet<'t> {
             return uniform();
         }
         let [u, v] = weights.map(|weight| weight.clamp(0.0, 1.0));
-        let [u, v] = [u, v].map(|weight| weight / (u + v).max(1.0));
-        Target { point: a + (b - a) * u + (c - a) * v, barycentrics: [u, v], density }
+        let barycentrics = [u, v].map(|weight| weight / (u + v).max(1.0));
+        Target { point: triangle::point(&self.corners, barycentrics), barycentrics, density }
     }
 
     /// Where light arrives at the point that lies where [u, v] in the unit square does.
@@ -114,8 +113,8 @@ impl Patches<'_> {
     /// A slot's place in the normalised frame.
     pub(crate) fn facet<'t>(&self, tracer: &'t Tracer, slot: u32) -> Facet<'t> {
         let Slot { face, side, cell } = self.slot(slot);
-        let [p, q, r] = *tracer.corners(face);
-        let corners = self.cuts.corners(face, cell).map(|[u, v]| p + (q - p) * u + (r - p) * v);
+        let on_face = tracer.corners(face);
+        let corners = self.cuts.corners(face, cell).map(|corner| triangle::point(on_face, corner));
         let face_number = face as u32;
         Facet {
             face: face_number,

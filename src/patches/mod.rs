@@ -22,6 +22,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::progress::{Cancelled, Progress};
+use crate::scene::triangle;
 use crate::scene::{FaceTexture, Feature, Scene, Side};
 use crate::trace::{Frame, Tracer};
 pub use cut::{Barycentrics, Cutter, Outlook, Stretch};
@@ -461,8 +462,7 @@ impl<'s> Patches<'s> {
 
     /// Area of a face, normalised frame.
     fn face_area(&self, face: usize) -> f64 {
-        let [a, b, c] = self.scene.corners(face).map(|p| self.frame.from_world(p));
-        0.5 * (b - a).cross(c - a).length()
+        triangle::area(&self.scene.corners(face).map(|p| self.frame.from_world(p)))
     }
 
     /// Corners of a patch as points of its face, counter-clockwise seen from the front.
@@ -472,9 +472,8 @@ impl<'s> Patches<'s> {
     }
 
     /// The point of a face with these barycentrics, metres.
-    pub fn point(&self, face: usize, [u, v]: Barycentrics) -> DVec3 {
-        let [a, b, c] = self.scene.corners(face);
-        a + (b - a) * u + (c - a) * v
+    pub fn point(&self, face: usize, point: Barycentrics) -> DVec3 {
+        triangle::point(&self.scene.corners(face), point)
     }
 
     /// Centre of a patch, metres.

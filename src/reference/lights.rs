@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::scene::triangle;
 use crate::scene::{FaceState, Side};
 use crate::trace::Tracer;
 use crate::trace::sampling::uniform_triangle;
@@ -40,11 +41,7 @@ impl Lights {
         let scene = tracer.scene();
         let emits = |&f: &usize| scene.faces()[f].state == FaceState::Kept && scene.material_of(f).emits();
         let emitting: Vec<usize> = (0..scene.faces().len()).filter(emits).collect();
-        let area = |f: usize| {
-            let [a, b, c] = *tracer.corners(f);
-            0.5 * (b - a).cross(c - a).length()
-        };
-        let power = |f: usize| area(f) * scene.mean_emission(f).iter().sum::<f64>();
+        let power = |f: usize| triangle::area(tracer.corners(f)) * scene.mean_emission(f).iter().sum::<f64>();
         let total: f64 = emitting.iter().map(|&f| power(f)).sum();
         let mut below = 0.0;
         let mut density = vec![0.0; scene.faces().len()];
@@ -52,7 +49,7 @@ impl Lights {
         for &f in &emitting {
             below += power(f) / total;
             cumulative.push(below);
-            density[f] = power(f) / total / area(f);
+            density[f] = power(f) / total / triangle::area(tracer.corners(f));
         }
         let light = |&f: &usize| Light {
             face: f as u32,
@@ -71,12 +68,11 @@ impl Lights {
         let light = &self.faces[k];
         // What is left of u within the face's share is as good as new.
         let fresh = ((u - lower) / (self.cumulative[k] - lower)).clamp(0.0, 1.0);
-        let [s, t] = uniform_triangle([fresh, v]);
-        let [a, b, c] = light.corners;
+        let barycentrics = uniform_triangle([fresh, v]);
         Some(LightPoint {
             face: light.face,
-            point: a + (b - a) * s + (c - a) * t,
-            barycentrics: [s, t],
+            point: triangle::point(&light.corners, barycentrics),
+            barycentrics,
             normal: light.normal,
             density: self.density[light.face as usize],
         })
@@ -114,13 +110,12 @@ mod tests {
             assert_eq!(light.density, lights.density(light.face));
         }
         for f in 0..scene.faces().len() {
-            let [a, b, c] = *tracer.corners(f);
-            let area = 0.5 * (b - a).cross(c - a).length();
+            let area = triangle::area(tracer.corners(f));
             let emits = scene.material_of(f).emits();
             assert_eq!(drawn[f] > 0.0, emits);
             if emits {
                 assert!((drawn[f] / area - 1.0).abs() < 2e-3);
-                assert!((centre[f] / area - (a + b + c) / 3.0).length() < 2e-3);
+                assert!((centre[f] / area - tracer.corners(f).iter().sum::<DVec3>() / 3.0).length() < 2e-3);
             }
         }
     }

@@ -15,6 +15,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::patches::{Barycentrics, Basis, Patches, Slot};
+use crate::scene::triangle;
 use crate::scene::{FaceState, Side};
 use crate::trace::Tracer;
 
@@ -162,9 +163,8 @@ fn to_weights(corners: [Barycentrics; 3]) -> (DVec2, DMat2) {
 
 fn corners_of(tracer: &Tracer, patches: &Patches, patch: usize) -> [Corner; 3] {
     let Slot { face, side, .. } = patches.place(patch);
-    let [p, q, r] = *tracer.corners(face);
     let on_face = patches.corners(patch);
-    let at = on_face.map(|[u, v]| p + (q - p) * u + (r - p) * v);
+    let at = on_face.map(|corner| triangle::point(tracer.corners(face), corner));
     let leg = |k: usize| at[(k + 1) % 3] - at[k];
     let shortest = leg(0).length().min(leg(1).length()).min(leg(2).length());
     [0, 1, 2].map(|k| Corner {

@@ -10,6 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::patches::Patches;
+use crate::scene::triangle;
 use crate::scene::{Camera, FaceState, Side};
 use crate::trace::{Ray, Tracer};
 
@@ -70,8 +71,7 @@ impl Extent {
 fn up_axis(tracer: &Tracer, extent: &Extent) -> DVec3 {
     let scene = tracer.scene();
     let power = |f: usize| -> DVec3 {
-        let [a, b, c] = *tracer.corners(f);
-        (b - a).cross(c - a) * scene.mean_emission(f).iter().sum::<f64>()
+        triangle::across(tracer.corners(f)) * scene.mean_emission(f).iter().sum::<f64>()
     };
     let kept = (0..scene.faces().len()).filter(|&f| scene.faces()[f].state == FaceState::Kept);
     let down = kept.map(power).sum::<DVec3>().normalize_or_zero();

@@ -6,6 +6,7 @@ use std::collections::hash_map::Entry;
 use glam::DVec3;
 
 use super::grouped::count;
+use super::triangle;
 use super::{Face, FaceState, Material};
 
 /// Marks zero-area faces and exact duplicates, and says how many there were.
@@ -18,14 +19,15 @@ pub(super) fn drop_degenerate(
     let (mut flat, mut twice, mut lamps_lost) = (0, 0, 0);
     let mut emits_at: HashMap<[[u64; 3]; 3], bool> = HashMap::new();
     for face in faces.iter_mut() {
-        let [a, b, c] = face.vertices.map(|v| vertices[v as usize]);
+        let corners = face.vertices.map(|v| vertices[v as usize]);
+        let [a, b, c] = corners;
         let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-        if (b - a).cross(c - a).length() <= 1e-12 * longest {
+        if triangle::across(&corners).length() <= 1e-12 * longest {
             face.state = FaceState::ZeroArea;
             flat += 1;
             continue;
         }
-        let corners = oriented([a, b, c]);
+        let corners = oriented(corners);
         let emits = materials[face.material as usize].emits();
         match emits_at.entry(corners) {
             Entry::Vacant(first) => {

@@ -8,6 +8,7 @@
 use glam::DVec3;
 
 use super::grouped::count;
+use super::triangle;
 use super::{Face, FaceState, Light};
 
 /// What is as near as this to a face lies on it, and so far in front of it a light is moved at least, as a
@@ -48,7 +49,7 @@ pub(super) fn lift_lights(
         let touched: Vec<(usize, Plane)> = kept()
             .map(|(number, face)| (number, corners(face)))
             .filter(|(_, corners)| distance_to(position, corners, touch) <= touch)
-            .map(|(number, [a, b, c])| (number, (a, (b - a).cross(c - a).normalize_or_zero())))
+            .map(|(number, corners)| (number, (corners[0], triangle::normal(&corners))))
             .collect();
         let (place, fronts) = in_front_of(position, &touched, touch);
         if let Some(position) = light.position_mut() {
@@ -111,7 +112,7 @@ pub(crate) fn distance_to(p: DVec3, corners: &[DVec3; 3], near: f64) -> f64 {
     if (a.min(b).min(c) - p).max(p - a.max(b).max(c)).max_element() > near {
         return f64::INFINITY;
     }
-    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let normal = triangle::normal(corners);
     let edges = [(a, b), (b, c), (c, a)];
     if edges.iter().all(|&(from, to)| normal.dot((to - from).cross(p - from)) >= 0.0) {
         return normal.dot(p - a).abs();

@@ -14,6 +14,7 @@ mod light;
 mod material;
 mod photometry;
 mod receiver;
+pub(crate) mod triangle;
 
 use std::io::Read;
 use std::path::{Path, PathBuf};

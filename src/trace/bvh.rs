@@ -9,7 +9,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::{BvhBuildParams, ploc::PlocSearchDistance};
 
-use super::triangle::{Corners, Shear, padded};
+use super::watertight::{Corners, Shear, padded};
 use super::{Hit, Ray, SKIN};
 use crate::scene::Side;
 

@@ -9,6 +9,7 @@ use super::IN_PLANE;
 use super::facing::can_face;
 use super::sampling::{TRIANGLE_RULE_3, TRIANGLE_RULE_7};
 use crate::scene::distance_to;
+use crate::scene::triangle;
 
 /// Parts whose radius is less than this part of their distance need few points: then they are off by less
 /// than 10⁻⁴ (the tests measure it).
@@ -53,7 +54,7 @@ pub fn form_factor_between(here: (&[DVec3; 3], DVec3), there: (&[DVec3; 3], DVec
     if !can_face((here.0, here.1), (there.0, there.1)) {
         return 0.0;
     }
-    let [area, other] = [here, there].map(|(&[a, b, c], _)| 0.5 * (b - a).cross(c - a).length());
+    let [area, other] = [here, there].map(|(corners, _)| triangle::area(corners));
     let ((small, normal), (large, facing)) = if other < area { (there, here) } else { (here, there) };
     let large = &wound_around(facing, *large);
     let (front, count) = in_front(small, large[0], facing);

@@ -22,6 +22,7 @@ use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use rayon::prelude::*;
 
 use super::{Hit, Tracer};
+use crate::scene::triangle;
 use crate::scene::{Scene, Side, Surface};
 
 /// How far out of a plane a corner may lie by rounding: files often keep six digits. Normalised lengths.
@@ -473,8 +474,7 @@ impl Surfaces {
         let first_face: Vec<u32> = (0..corners.len() as u32).map(|face| root(&mut parent, face)).collect();
         let mut areas: HashMap<u32, f64> = HashMap::new();
         for &face in kept {
-            let [a, b, c] = corners[face as usize];
-            *areas.entry(first_face[face as usize]).or_default() += 0.5 * (b - a).cross(c - a).length();
+            *areas.entry(first_face[face as usize]).or_default() += triangle::area(&corners[face as usize]);
         }
         let mut by_area: Vec<(f64, u32)> = areas.into_iter().map(|(surface, area)| (area, surface)).collect();
         by_area.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -16,12 +16,13 @@ mod lambert;
 mod layers;
 pub mod sampling;
 mod scattering;
-mod triangle;
+mod watertight;
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::scene::triangle;
 use crate::scene::{FaceState, Scene, Side, Surface};
 use bvh::Bvh;
 pub use convex::{Enclosure, NotConvex};
@@ -161,8 +162,7 @@ impl<'s> Tracer<'s> {
         let frame = Frame::around(kept.iter().flat_map(|&f| scene.corners(f as usize)));
         let corners: Vec<[DVec3; 3]> =
             (0..scene.faces().len()).map(|f| scene.corners(f).map(|p| frame.from_world(p))).collect();
-        let normals: Vec<DVec3> =
-            corners.iter().map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero()).collect();
+        let normals: Vec<DVec3> = corners.iter().map(triangle::normal).collect();
         let bvh = Bvh::new(&corners, &kept);
         let layers = Layers::new(scene, (&corners, &normals), &kept, frame.scale().powi(2));
         let is_pane = |&f: &u32| matches!(scene.material_of(f as usize).surface, Surface::Pane { .. });
@@ -200,9 +200,7 @@ impl<'s> Tracer<'s> {
     /// Where a ray met a face, normalised frame.
     #[inline]
     pub(crate) fn point(&self, hit: &Hit) -> DVec3 {
-        let [a, b, c] = self.corners[hit.face as usize];
-        let [u, v] = hit.barycentrics;
-        a + (b - a) * u + (c - a) * v
+        triangle::point(&self.corners[hit.face as usize], hit.barycentrics)
     }
 
     /// Whether a face passes light on as a mirror, glass or a rough conductor.

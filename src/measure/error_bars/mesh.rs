@@ -15,6 +15,7 @@ use nalgebra::DMatrix;
 use crate::measure::MeasureError;
 use crate::patches::{Basis, Clusters, Patches};
 use crate::progress::Progress;
+use crate::scene::triangle;
 use crate::solve::roughly;
 use crate::transport::{FormFactors, Reflection, Sources, Transport};
 
@@ -157,9 +158,8 @@ fn varied(
 fn has_curved_carriers(patches: &Patches) -> bool {
     let scene = patches.scene();
     let ways = (0..scene.faces().len()).filter(|&face| scene.passes_on(face)).map(|face| {
-        let [a, b, c] = scene.corners(face);
         // To about a degree.
-        ((b - a).cross(c - a).normalize_or_zero() * 60.0).round().as_ivec3()
+        (triangle::normal(&scene.corners(face)) * 60.0).round().as_ivec3()
     });
     ways.collect::<HashSet<_>>().len() > FLAT
 }

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::edges::{Edges, Groups};
 use super::{Finding, Grade, shape};
 use crate::scene::Side;
+use crate::scene::triangle;
 use crate::trace::sampling::Stream;
 use crate::trace::{Ray, Tracer, sampling};
 
@@ -99,9 +100,8 @@ fn all(edges: &Edges, tracer: &Tracer, seed: u64) -> Vec<Lamp> {
     let mut lamps: BTreeMap<usize, Lamp> = BTreeMap::new();
     for face in shape::kept(scene).filter(|&face| emits(face)) {
         let lamp = lamps.entry(groups.of(face)).or_default();
-        let [a, b, c] = *tracer.corners(face);
         lamp.faces.push(face);
-        lamp.area += 0.5 * (b - a).cross(c - a).length();
+        lamp.area += triangle::area(tracer.corners(face));
     }
     let faces: usize = lamps.values().map(|lamp| lamp.faces.len()).sum();
     let rays = (BUDGET / faces.max(1)).clamp(PER_SIDE.start, PER_SIDE.end) as u32;

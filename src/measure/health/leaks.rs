@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::{Finding, Grade, shape};
 use crate::patches::{Facet, Patches};
 use crate::scene::Side;
+use crate::scene::triangle;
 use crate::trace::sampling::{SEQUENCE_END, Stream};
 use crate::trace::{Destination, Ray, Tint, Tracer, sampling};
 
@@ -107,8 +108,7 @@ impl<'t> Starts<'t> {
         }
         let mut total = 0.0;
         let power = glowing.iter().map(|(facet, radiance)| {
-            let [a, b, c] = facet.corners;
-            total += radiance * (b - a).cross(c - a).length();
+            total += radiance * triangle::across(&facet.corners).length();
             total
         });
         Self { power: power.collect(), facets: glowing.into_iter().map(|(facet, _)| facet).collect() }

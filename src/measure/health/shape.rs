@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use super::{Finding, Grade};
+use crate::scene::triangle;
 use crate::scene::{FaceState, Scene};
 use crate::trace::Tracer;
 
@@ -88,7 +89,7 @@ pub(super) fn slivers(tracer: &Tracer) -> Finding {
     let aspect = |face: usize| {
         let [a, b, c] = *tracer.corners(face);
         let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-        longest / (b - a).cross(c - a).length()
+        longest / triangle::across(&[a, b, c]).length()
     };
     let mut all: Vec<(f64, usize)> = kept(tracer.scene()).map(|face| (aspect(face), face)).collect();
     all.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));

@@ -6,6 +6,7 @@ use nalgebra::DMatrix;
 
 use super::{Answer, Cause, DOUBTFUL, Energy, Level, Reason, places};
 use crate::measure::ErrorPart;
+use crate::scene::triangle;
 use crate::scene::{Scene, Side};
 use crate::trace::OverlapKind;
 
@@ -63,8 +64,7 @@ pub(super) fn missing_lamps(answer: &Answer) -> Option<Reason> {
     let mut missing = places::power(answer, &lack, PI, |i, c| lack[(i, c)] != 0.0);
     let most = if missing.is_empty() { Level::Doubtful } else { Level::Bad };
     for face in emitters(scene).filter(|&face| patches.patches_of(face, Side::Front).is_empty()) {
-        let [a, b, c] = scene.corners(face);
-        let area = 0.5 * (b - a).cross(c - a).length();
+        let area = triangle::area(&scene.corners(face));
         let emission = scene.mean_emission(face);
         for (channel, radiance) in emission.iter().enumerate().filter(|(_, radiance)| **radiance > 0.0) {
             missing.add(face, channel, PI * area * radiance);

@@ -60,12 +60,13 @@ pub(super) fn power(
     factor: f64,
     is_wrong: impl Fn(usize, usize) -> bool,
 ) -> Places {
-    let (patches, mass) = (answer.patches, answer.problem.operator().mass().sums());
+    let (patches, mass) = (answer.patches, answer.problem.operator().mass());
+    let unit = mass.unit();
     let each = answer.problem.operator().basis().coefficients();
     let mut places = Places::new(field.ncols());
-    for (i, area) in mass.iter().enumerate() {
+    for (i, area) in mass.sums().iter().enumerate() {
         for c in (0..field.ncols()).filter(|&c| is_wrong(i, c)) {
-            let power = factor * patches.unit_of_area() * area * field[(i, c)].abs();
+            let power = factor * unit * area * field[(i, c)].abs();
             places.add(patches.place(i / each).face, c, power);
         }
     }

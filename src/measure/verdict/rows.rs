@@ -40,6 +40,7 @@ struct Escape {
 pub(super) fn judge(answer: &Answer) -> Rows {
     let Answer { patches, problem, solution, .. } = *answer;
     let operator = problem.operator();
+    let unit = operator.mass().unit();
     let (channels, each) = (operator.channels(), operator.basis().coefficients());
     let new = || Places::new(channels);
     let (mut open, mut unclosed, mut slack, mut without_rays) = (new(), new(), new(), new());
@@ -54,12 +55,12 @@ pub(super) fn judge(answer: &Answer) -> Rows {
         usual.push(areas.dot(&solution.irradiance.column(c)) / areas.sum());
         for i in 0..operator.len() {
             let face = patches.place(i / each).face;
-            let sent = PI * patches.unit_of_area() * solution.radiance[(i, c)].abs();
+            let sent = PI * unit * solution.radiance[(i, c)].abs();
             let lack = areas[i] - sums[i] - exchange.ends().leaving[i];
             let unexplained = (lack - slack_of[i]).abs();
             open.add(face, c, sent * unexplained);
             if lack > EMPTY * areas[i] {
-                without_rays.add(face, c, patches.unit_of_area() * areas[i] * usual[c]);
+                without_rays.add(face, c, unit * areas[i] * usual[c]);
             } else if unexplained > EXACT * areas[i] {
                 unclosed.add(face, c, sent * unexplained);
             }
@@ -78,7 +79,7 @@ pub(super) fn judge(answer: &Answer) -> Rows {
         let face = patches.place(patch).face;
         for (c, power) in power.into_iter().enumerate() {
             match sees_nothing {
-                true => without_rays.add(face, c, patches.unit_of_area() * area(patch) * usual[c]),
+                true => without_rays.add(face, c, unit * area(patch) * usual[c]),
                 false => escaped.add(face, c, power),
             }
         }

@@ -5,7 +5,7 @@
 
 use std::io::{self, Read, Write};
 
-use glam::DVec3;
+use crate::scene::triangle;
 use serde::{Deserialize, Serialize};
 
 use crate::measure::{ReferenceSide, Study, StudyReference, StudyRow};
@@ -100,10 +100,9 @@ pub fn read_study(
 fn is_of(reference: &StudyReference, scene: &Scene) -> bool {
     let is_amount = |x: &f64| x.is_finite() && *x >= 0.0;
     let is_sound = |side: &ReferenceSide| {
-        let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
         side.face < scene.faces().len()
             && side.area > 0.0
-            && side.area <= area(scene.corners(side.face)) * (1.0 + 1e-9)
+            && side.area <= triangle::area(&scene.corners(side.face)) * (1.0 + 1e-9)
             && side.mean.len() == scene.channels()
             && side.mean.iter().all(is_amount)
             && side.standard_error.iter().chain([&side.degrees_of_freedom]).all(|x| *x >= 0.0)

@@ -7,6 +7,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::scene::triangle;
 use crate::scene::{FaceState, Scene, Side};
 use crate::trace::{Frame, IN_PLANE, Tracer};
 
@@ -130,8 +131,8 @@ impl Facing {
     }
 
     fn plane(&self, (face, side): FaceSide) -> Plane {
-        let [a, b, c] = self.faces[face];
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        Plane { point: a, normal: if side == Side::Front { normal } else { -normal } }
+        let corners = &self.faces[face];
+        let normal = triangle::normal(corners);
+        Plane { point: corners[0], normal: if side == Side::Front { normal } else { -normal } }
     }
 }

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::lens::Lens;
 use crate::patches::Patches;
+use crate::scene::triangle;
 use crate::trace::Tracer;
 
 /// How much darker the middle of a line is.
@@ -11,8 +12,8 @@ const DARKNESS: f64 = 0.6;
 
 /// The factor by which the edges of `patch`, which is seen there, dim a point of the picture.
 pub(super) fn dimming(tracer: &Tracer, patches: &Patches, lens: &Lens, point: DVec2, patch: usize) -> f64 {
-    let [a, b, c] = *tracer.corners(patches.place(patch).face);
-    let corners = patches.corners(patch).map(|[u, v]| a + (b - a) * u + (c - a) * v);
+    let face = tracer.corners(patches.place(patch).face);
+    let corners = patches.corners(patch).map(|corner| triangle::point(face, corner));
     let distances = [0, 1, 2].map(|k| lens.distance_to_line(point, corners[k], corners[(k + 1) % 3]));
     // Half of a line of one pixel lies on this side of the edge; lines of tiny patches would leave nothing
     // else.

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::scene::triangle;
 use crate::scene::{FaceState, Side};
 use crate::trace::sampling::uniform_triangle;
 use crate::trace::{Tracer, can_face, form_factor_between, form_factor_to_triangle};
@@ -251,8 +252,7 @@ fn emitting(tracer: &Tracer) -> Vec<LampFace> {
 }
 
 fn area(tracer: &Tracer, face: u32) -> f64 {
-    let [a, b, c] = tracer.corners(face as usize);
-    0.5 * (b - a).cross(c - a).length()
+    triangle::area(tracer.corners(face as usize))
 }
 
 impl LampFace {

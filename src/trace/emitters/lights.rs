@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::sky::SkySampler;
 use crate::scene::Light;
+use crate::scene::triangle;
 use crate::trace::sampling::{frame_around, uniform_disc, uniform_spherical_triangle, uniform_triangle};
 use crate::trace::{IN_PLANE, Interaction, Tracer};
 
@@ -136,13 +137,9 @@ impl Lights {
     /// for a light with a place the solid angle that the triangle fills, per area; for the sun the cosine,
     /// where all of it is above the horizon.
     pub fn mean_density(&self, light: usize, corners: &[DVec3; 3], normal: DVec3) -> Option<f64> {
-        let [a, b, c] = *corners;
         match self.lamps[light].place {
-            Place::At(position) if normal.dot(position - a) <= IN_PLANE => Some(0.0),
-            Place::At(position) => {
-                let area = 0.5 * (b - a).cross(c - a).length();
-                Some(solid_angle(position, corners) / area)
-            }
+            Place::At(position) if normal.dot(position - corners[0]) <= IN_PLANE => Some(0.0),
+            Place::At(position) => Some(solid_angle(position, corners) / triangle::area(corners)),
             Place::Towards(middle, sine) => {
                 let cosine = normal.dot(middle);
                 match sine {
@@ -157,9 +154,8 @@ impl Lights {
     /// Whether a triangle of this [`Lights::mean_density`] is so near a light that its points are drawn by
     /// [`Lights::point_near`].
     pub fn is_near(&self, light: usize, corners: &[DVec3; 3], normal: DVec3, mean: f64) -> bool {
-        let [a, b, c] = *corners;
         let Place::At(position) = self.lamps[light].place else { return false };
-        let area = 0.5 * (b - a).cross(c - a).length();
+        let (a, area) = (corners[0], triangle::area(corners));
         mean * area > NEAR_ANGLE && normal.dot(position - a).powi(2) < NEAR_HEIGHT * NEAR_HEIGHT * area
     }
 
@@ -289,8 +285,7 @@ mod tests {
         let one = |k: u32| {
             let [s, t, u, v] = Stream::Callers.sequence(2, light as u32, 0).point(k);
             let [s, t] = uniform_triangle([s, t]);
-            let [a, b, c] = *corners;
-            let beam = lights.beam(light, a + (b - a) * s + (c - a) * t, [u, v]);
+            let beam = lights.beam(light, triangle::point(corners, [s, t]), [u, v]);
             beam.density * normal.dot(beam.direction).max(0.0) / f64::from(n)
         };
         (0..n).map(one).sum()

@@ -13,6 +13,7 @@ use glam::DVec3;
 use super::environment::pick;
 use super::lights::{Lights, Place, solid_angle};
 use super::sky::{SkyBeam, SkySampler};
+use crate::scene::triangle;
 use crate::scene::{FaceState, Light, Side};
 use crate::trace::sampling::{frame_around, uniform_spherical_triangle, uniform_triangle};
 use crate::trace::{Hit, Ray, RayHit, Tracer};
@@ -78,7 +79,8 @@ impl Targets {
         let all = 0..tracer.scene().faces().len() as u32;
         let faces: Vec<u32> = all.filter(|&f| tracer.may_go_on(f)).filter(kept).collect();
         let mut by_area = Vec::with_capacity(faces.len());
-        let area = accumulate(faces.iter().map(|&f| area(tracer.corners(f as usize))), &mut by_area);
+        let area =
+            accumulate(faces.iter().map(|&f| triangle::area(tracer.corners(f as usize))), &mut by_area);
         let aims = (0..lights.len()).map(|light| Aim::new(tracer, lights, light, &faces)).collect();
         (area > 0.0).then_some(Self { faces, area, by_area, aims })
     }
@@ -132,7 +134,7 @@ impl Targets {
                 let (ray, hit) = from_outside(tracer, point, beam.direction, face)?;
                 // A face catches what crosses its area, seen along the beam.
                 let cosine = tracer.normal(face as usize, Side::Front).dot(beam.direction).abs();
-                let caught = beam.density * cosine * area(tracer.corners(face as usize));
+                let caught = beam.density * cosine * triangle::area(tracer.corners(face as usize));
                 Some(Shot { met: RayHit { ray, hit }, worth: caught / self.chance(aim, face) })
             }
         }
@@ -189,7 +191,8 @@ impl Aim {
                     solid_angle(position, corners) * (LEAST_SHARE + shares.iter().sum::<f64>() / 4.0)
                 }
                 Place::Towards(middle, sine) => {
-                    area(corners) * (tracer.normal(face as usize, Side::Front).dot(middle).abs() + sine)
+                    triangle::area(corners)
+                        * (tracer.normal(face as usize, Side::Front).dot(middle).abs() + sine)
                 }
             }
         };
@@ -225,14 +228,9 @@ fn from_outside(tracer: &Tracer, point: DVec3, direction: DVec3, face: u32) -> O
     Some((ray, hit))
 }
 
-fn area(&[a, b, c]: &[DVec3; 3]) -> f64 {
-    0.5 * (b - a).cross(c - a).length()
-}
-
 #[inline]
-fn point(&[a, b, c]: &[DVec3; 3], square: [f64; 2]) -> DVec3 {
-    let [s, t] = uniform_triangle(square);
-    a + (b - a) * s + (c - a) * t
+fn point(corners: &[DVec3; 3], square: [f64; 2]) -> DVec3 {
+    triangle::point(corners, uniform_triangle(square))
 }
 
 /// A direction within a cone, uniform in its solid angle.
@@ -260,7 +258,7 @@ fn density(position: DVec3, direction: DVec3, tracer: &Tracer, hit: &Hit) -> f64
     let angle = solid_angle(position, corners);
     if angle < TINY {
         let cosine = tracer.normal(hit.face as usize, hit.side).dot(direction).abs();
-        return hit.distance * hit.distance / (cosine * area(corners));
+        return hit.distance * hit.distance / (cosine * triangle::area(corners));
     }
     1.0 / angle
 }

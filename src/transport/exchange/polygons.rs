@@ -21,6 +21,7 @@ use super::storage::Storage;
 use crate::patches::{Basis, Facet, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
+use crate::scene::triangle;
 use crate::trace::{Enclosure, Tracer};
 
 /// Distances between centres, by the sum of both radii, from which on three and six points a triangle do.
@@ -69,7 +70,7 @@ struct Polygon {
 impl Polygon {
     fn new(facet: &Facet, area: f64) -> Self {
         let [a, b, c] = facet.corners;
-        let at = |[u, v, _]: [f64; 3]| a + (b - a) * u + (c - a) * v;
+        let at = |[u, v, _]: [f64; 3]| triangle::point(&facet.corners, [u, v]);
         let centre = facet.centre();
         let radius = [a, b, c].iter().fold(0.0f64, |most, p| most.max(p.distance(centre)));
         let &Facet { face, normal, .. } = facet;

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use super::FormFactors;
 use crate::patches::Patches;
 use crate::scene::Side;
+use crate::scene::triangle;
 use crate::trace::form_factor_between;
 use crate::transport::TransportError;
 use crate::transport::exchange::Outcome;
@@ -105,7 +106,7 @@ impl<'a> Setting<'a> {
         let place = self.patches.place(i);
         let corners = self.patches.corners(i).map(|at| self.patches.point(place.face, at));
         let turn = if place.side == Side::Back { -1.0 } else { 1.0 };
-        let facing = turn * normal(&corners);
+        let facing = turn * triangle::normal(&corners);
         let centre = corners.iter().sum::<DVec3>() / 3.0;
         let reach = NEAR * corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
         let scene = self.patches.scene();
@@ -120,7 +121,8 @@ impl<'a> Setting<'a> {
                 return None;
             }
             let there = scene.corners(lamp);
-            let from = |part: &[DVec3; 3]| form_factor_between((part, facing), (&there, normal(&there)));
+            let from =
+                |part: &[DVec3; 3]| form_factor_between((part, facing), (&there, triangle::normal(&there)));
             let mut of_parts: Vec<f64> = parts_of(corners).iter().map(from).collect();
             let mean = of_parts.iter().sum::<f64>() / of_parts.len() as f64;
             of_parts.iter_mut().for_each(|factor| *factor *= share / mean);
@@ -170,10 +172,6 @@ impl<'a> Setting<'a> {
             }
         }
     }
-}
-
-fn normal(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
-    (b - a).cross(c - a).normalize_or_zero()
 }
 
 /// Equal parts of a triangle, row after row along the first leg, each upright one followed by the one that

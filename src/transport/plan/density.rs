@@ -11,6 +11,7 @@ use glam::DVec3;
 
 use crate::patches::{Outlook, Stretch};
 use crate::scene::Side;
+use crate::scene::triangle;
 use crate::trace::sampling::{Stream, uniform_triangle};
 use crate::trace::{IN_PLANE, Lamps, Tracer};
 use crate::transport::rows::RayCount;
@@ -160,10 +161,6 @@ fn form_factor(from: &Place, to: &Place) -> f64 {
     here * there / squared * to.area / (std::f64::consts::PI * squared + to.area)
 }
 
-fn area([a, b, c]: &[DVec3; 3]) -> f64 {
-    0.5 * (b - a).cross(c - a).length()
-}
-
 /// All stretches of sides that have patches, to draw places from.
 struct Places<'a, 's> {
     tracer: &'a Tracer<'s>,
@@ -189,7 +186,7 @@ impl<'a, 's> Places<'a, 's> {
             for (side, count) in Side::BOTH.into_iter().zip(counts[stretch.face]) {
                 if count > 0.0 {
                     sums[0] += stretch.cells;
-                    sums[1] += area(&stretch.corners);
+                    sums[1] += triangle::area(&stretch.corners);
                     places.sides.push((stretch, side));
                     places.by.iter_mut().zip(sums).for_each(|(by, sum)| by.push(sum));
                 }
@@ -208,14 +205,12 @@ impl<'a, 's> Places<'a, 's> {
             let goal = which * totals[kind];
             let at = self.by[kind].partition_point(|&sum| sum <= goal).min(self.sides.len() - 1);
             let (Stretch { face, corners, cells: count }, side) = self.sides[at];
-            let [a, b, c] = corners;
-            let [u, v] = uniform_triangle([s, t]);
-            let area = area(&corners);
+            let area = triangle::area(&corners);
             // Density of this very patch among all draws.
             let density = parts[0] / totals[0] + parts[1] * area / count / totals[1];
             let material = self.tracer.scene().material_of(face);
             Place {
-                point: a + (b - a) * u + (c - a) * v,
+                point: triangle::point(&corners, uniform_triangle([s, t])),
                 normal: self.tracer.normal(face, side),
                 area: area / count,
                 reflectance: material.highest_albedo(side),

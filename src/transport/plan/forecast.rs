@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::density::Density;
 use crate::patches::{Basis, Outlook, PatchError, Tessellation};
+use crate::scene::triangle;
 use crate::scene::{Feature, Material, Scene, Side};
 use crate::trace::{Lamps, Tracer};
 use crate::transport::exchange::{MANY, StorageKind};
@@ -468,8 +469,7 @@ fn coated_shares(tracer: &Tracer) -> [f64; 2] {
     }
     let (mut area, mut shares) = (0.0, [0.0; 2]);
     for face in (0..tracer.scene().faces().len()).filter(|&face| tracer.scene().is_diffuse(face)) {
-        let [a, b, c] = *tracer.corners(face);
-        let own = (b - a).cross(c - a).length();
+        let own = triangle::across(tracer.corners(face)).length();
         area += own;
         if let Some(coat) = tracer.coat_of(face as u32) {
             shares[0] += own;

@@ -38,11 +38,13 @@ const RAYS_PER_SHOT: u32 = 4;
 pub struct CarriedLight {
     /// Irradiance, a part of H₀, N × c, W·m⁻².
     pub irradiance: DMatrix<f64>,
-    /// Flux that carriers absorbed on ways that end on patches, per channel, in W·m⁻² times the unit of
-    /// area of the operator's mass.
+    /// Flux that carriers absorbed on ways that end on patches, per channel, in W·m⁻² times a unit of
+    /// area.
     pub(crate) absorbed: Vec<f64>,
     /// Flux that was given up after too many carriers, the same.
     pub(crate) lost: Vec<f64>,
+    /// The unit of area of both, m².
+    pub(crate) unit: f64,
 }
 
 /// Carried light, and what tells its noise.
@@ -327,7 +329,7 @@ impl Search<'_> {
         let mut parts: Vec<DMatrix<f64>> = (0..PARTS).map(of_part).collect();
         let irradiance = parts.iter().fold(DMatrix::zeros(rows, self.channels), |sum, part| sum + part);
         parts.iter_mut().for_each(|part| *part = &*part * PARTS as f64 - &irradiance);
-        let light = CarriedLight { irradiance, absorbed: self.absorbed, lost: self.lost };
+        let light = CarriedLight { irradiance, absorbed: self.absorbed, lost: self.lost, unit: mass.unit() };
         Measured { light, more: parts }
     }
 }

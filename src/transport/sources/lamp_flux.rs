@@ -19,8 +19,7 @@ use crate::trace::{Destination, Tint, Tracer};
 /// Rays that one task takes.
 const TASK: u32 = 1024;
 
-/// Where the light of lamps goes: flux per channel, in W·m⁻² times the unit of area of the
-/// operator's mass.
+/// Where the light of lamps goes: flux per channel, in W·m⁻² times a unit of area.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LampFlux {
     /// What reaches patches straight, by pairs of points.
@@ -36,6 +35,8 @@ pub(crate) struct LampFlux {
     /// pairs share a sequence and differ more than independent ones would: it is rather too large than too
     /// small.
     pub standard_error: Vec<f64>,
+    /// The unit of area, m².
+    pub unit: f64,
 }
 
 /// How many rays lamps send, and by which random sequence.
@@ -64,6 +65,7 @@ impl LampFlux {
             escaped: of_channels(&|c| mean(c, ESCAPED)),
             absorbed: of_channels(&|c| mean(c, ABSORBED)),
             lost: of_channels(&|c| mean(c, LOST)),
+            unit: patches.unit_of_area(),
             standard_error: of_channels(&|c| {
                 let whole =
                     |part: usize| PARTS as f64 * arrived[part][c] + missing[part][c].iter().sum::<f64>();

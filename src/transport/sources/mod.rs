@@ -21,6 +21,7 @@ use super::operator::Transport;
 use super::rows::Shots;
 use crate::patches::{Basis, Facet, Patches};
 use crate::progress::{Cancelled, Progress};
+use crate::scene::triangle;
 use crate::trace::sampling::Stream;
 use crate::trace::{Lights, Ray, SkyBeam, Tracer, sampling};
 pub use carried_light::CarriedLight;
@@ -139,9 +140,13 @@ impl Sources {
     /// The flux that starts, per channel, W: π Σ A Lₑ, Σ A H₀ by lights without area, and what carriers kept
     /// of the latter on its way.
     pub fn flux(&self, mass: &Mass) -> Vec<f64> {
-        let kept =
-            |c: usize| self.carried.as_ref().map_or(0.0, |carried| carried.absorbed[c] + carried.lost[c]);
-        let by_lamps = |c: usize| self.lamps.as_ref().map_or(0.0, |lamps| lamps.arrived[c]);
+        let kept = |c: usize| {
+            let kept =
+                |light: &CarriedLight| (light.absorbed[c] + light.lost[c]) * (light.unit / mass.unit());
+            self.carried.as_ref().map_or(0.0, kept)
+        };
+        let by_lamps =
+            |c: usize| self.lamps.as_ref().map_or(0.0, |lamps| lamps.arrived[c] * (lamps.unit / mass.unit()));
         let arrived = |c: usize| self.direct.as_ref().map_or(0.0, |h| mass.sums().dot(&h.column(c)));
         let direct = |c: usize| arrived(c) - by_lamps(c) + kept(c);
         let flux = |c: usize| mass.unit() * (PI * mass.sums().dot(&self.emitted.column(c)) + direct(c));
@@ -224,7 +229,6 @@ impl Look<'_> {
     ) {
         let slot = self.patches.slot_of_patch(patch);
         let facet = self.patches.facet(self.tracer, slot);
-        let [a, b, c] = facet.corners;
         let area = self.patches.normalised_areas()[patch];
         // What thin glass leaves of a ray, per channel.
         let mut left = vec![1.0; self.channels];
@@ -262,7 +266,8 @@ impl Look<'_> {
                 let [s, t, u, v] = sequence.point(k);
                 let [s, t] = sampling::uniform_triangle([s, t]);
                 let SkyBeam { direction, weight, tint } = sky.sample(facet.normal, [u, v]);
-                let ray = Ray { origin: a + (b - a) * s + (c - a) * t, direction, from: facet.face };
+                let origin = triangle::point(&facet.corners, [s, t]);
+                let ray = Ray { origin, direction, from: facet.face };
                 left.fill(1.0);
                 if weight > 0.0 && self.tracer.passes(&ray, f64::INFINITY, &mut left) {
                     let part = ((k - first) as usize * PARTS) / self.rays as usize;
@@ -289,7 +294,6 @@ impl Look<'_> {
         LightLook { light, slot, facet, mean }: LightLook,
         phi: impl Fn([f64; 2]) -> [f64; N],
     ) -> Vec<Parts<N>> {
-        let [a, b, c] = facet.corners;
         let rays = self.rays_to_light();
         let (sequence, points) = Stream::Lights.stretch(self.seed, slot, light as u64, rays);
         let mut seen = vec![Parts::<N>::default(); self.channels];
@@ -304,7 +308,7 @@ impl Look<'_> {
                 true => self.lights.point_near(light, &facet.corners, facet.normal, [s, t]),
                 false => sampling::uniform_triangle([s, t]),
             };
-            let point = a + (b - a) * at[0] + (c - a) * at[1];
+            let point = triangle::point(&facet.corners, at);
             let beam = self.lights.beam(light, point, [u, v]);
             let weight = if is_near { 1.0 } else { beam.density * facet.normal.dot(beam.direction) };
             if !(weight > 0.0 && weight.is_finite()) {
