@@ -5,14 +5,14 @@ use glam::DVec3;
 use crate::scene::triangle;
 use crate::scene::{FaceState, Side};
 use crate::trace::Tracer;
-use crate::trace::sampling::uniform_triangle;
+use crate::trace::sampling::{Discrete, uniform_triangle};
 
 /// All faces that emit.
 #[derive(Debug)]
 pub(super) struct Lights {
     faces: Vec<Light>,
-    /// Chance of each face and all before it.
-    cumulative: Vec<f64>,
+    /// Chances of faces.
+    chances: Discrete,
     /// Per face of the scene: density of its points per unit of normalised area; 0 for those that do not
     /// emit.
     density: Vec<f64>,
@@ -43,12 +43,9 @@ impl Lights {
         let emitting: Vec<usize> = (0..scene.faces().len()).filter(emits).collect();
         let power = |f: usize| triangle::area(tracer.corners(f)) * scene.mean_emission(f).iter().sum::<f64>();
         let total: f64 = emitting.iter().map(|&f| power(f)).sum();
-        let mut below = 0.0;
+        let chances = Discrete::new(emitting.iter().map(|&f| power(f) / total));
         let mut density = vec![0.0; scene.faces().len()];
-        let mut cumulative = Vec::new();
         for &f in &emitting {
-            below += power(f) / total;
-            cumulative.push(below);
             density[f] = power(f) / total / triangle::area(tracer.corners(f));
         }
         let light = |&f: &usize| Light {
@@ -56,18 +53,17 @@ impl Lights {
             corners: *tracer.corners(f),
             normal: tracer.normal(f, Side::Front),
         };
-        Self { faces: emitting.iter().map(light).collect(), cumulative, density }
+        Self { faces: emitting.iter().map(light).collect(), chances, density }
     }
 
     /// A point with density [`Lights::density`]; none where nothing emits.
     #[inline]
     pub fn sample(&self, [u, v]: [f64; 2]) -> Option<LightPoint> {
-        let last = self.faces.len().checked_sub(1)?;
-        let k = self.cumulative.partition_point(|&upper| upper <= u).min(last);
-        let lower = if k == 0 { 0.0 } else { self.cumulative[k - 1] };
+        if self.faces.is_empty() {
+            return None;
+        }
+        let (k, fresh) = self.chances.draw_at(u);
         let light = &self.faces[k];
-        // What is left of u within the face's share is as good as new.
-        let fresh = ((u - lower) / (self.cumulative[k] - lower)).clamp(0.0, 1.0);
         let barycentrics = uniform_triangle([fresh, v]);
         Some(LightPoint {
             face: light.face,

@@ -8,13 +8,13 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use crate::scene::Environment;
-use crate::trace::sampling::{cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
+use crate::trace::sampling::{Discrete, cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
 
 /// A picture around the scene, ready to be drawn from.
 #[derive(Debug)]
 pub(super) struct Surroundings {
-    /// Sums of the texels' weights up to each, of all texels in file order.
-    sums: Vec<f64>,
+    /// All texels in file order.
+    texels: Discrete,
 }
 
 impl Surroundings {
@@ -23,18 +23,14 @@ impl Surroundings {
         let [width, height] = pixels.size();
         let strength =
             |i: usize, j: usize| pixels.texels()[j * width + i].iter().map(|&x| f64::from(x)).sum::<f64>();
-        let mut total = 0.0;
-        let mut sums = Vec::with_capacity(width * height);
-        for j in 0..height {
+        let weight = |texel: usize| {
+            let (i, j) = (texel % width, texel / width);
             let [high, low] = environment.row(j);
-            for i in 0..width {
-                let rows = j.saturating_sub(1)..(j + 2).min(height);
-                let around = rows.flat_map(|j| [i + width - 1, i, i + 1].map(|i| strength(i % width, j)));
-                total += around.fold(0.0, f64::max) * (high - low);
-                sums.push(total);
-            }
-        }
-        Self { sums }
+            let rows = j.saturating_sub(1)..(j + 2).min(height);
+            let around = rows.flat_map(|j| [i + width - 1, i, i + 1].map(|i| strength(i % width, j)));
+            around.fold(0.0, f64::max) * (high - low)
+        };
+        Self { texels: Discrete::new((0..width * height).map(weight)) }
     }
 
     /// A direction over a surface, and the inverse of its density per unit of solid angle; 0 below the
@@ -55,10 +51,7 @@ impl Surroundings {
 
     fn by_texel(&self, environment: &Environment, [s, t]: [f64; 2]) -> DVec3 {
         let width = environment.pixels().size()[0];
-        let goal = s * self.sums.last().copied().unwrap_or(0.0);
-        let k = self.sums.partition_point(|&sum| sum <= goal).min(self.sums.len() - 1);
-        let before = if k == 0 { 0.0 } else { self.sums[k - 1] };
-        let along = ((goal - before) / (self.sums[k] - before)).clamp(0.0, 1.0);
+        let (k, along) = self.texels.draw(s);
         let [high, low] = environment.row(k / width);
         environment.direction(((k % width) as f64 + along) / width as f64, high + (low - high) * t)
     }
@@ -67,11 +60,9 @@ impl Surroundings {
         let [width, height] = environment.pixels().size();
         let place = environment.place(towards);
         let (i, j) = ((place.x as usize).min(width - 1), (place.y as usize).min(height - 1));
-        let k = j * width + i;
-        let before = if k == 0 { 0.0 } else { self.sums[k - 1] };
         let [high, low] = environment.row(j);
-        let share = (self.sums[k] - before) / self.sums.last().copied().unwrap_or(1.0);
-        share / ((high - low) * TAU / width as f64)
+        let chance = self.texels.weight(j * width + i) / self.texels.total();
+        chance / ((high - low) * TAU / width as f64)
     }
 }
 

@@ -11,7 +11,7 @@ use super::{Finding, Grade, shape};
 use crate::patches::{Facet, Patches};
 use crate::scene::Side;
 use crate::scene::triangle;
-use crate::trace::sampling::{SEQUENCE_END, Stream};
+use crate::trace::sampling::{Discrete, SEQUENCE_END, Stream};
 use crate::trace::{Destination, Ray, Tint, Tracer, sampling};
 
 /// Paths of light that are followed, and after how many bounces they are given up.
@@ -82,8 +82,7 @@ fn short(metres: f64) -> String {
 /// Where light comes from.
 struct Starts<'t> {
     facets: Vec<Facet<'t>>,
-    /// Per facet: the power of it and of those before.
-    power: Vec<f64>,
+    by_power: Discrete,
 }
 
 impl<'t> Starts<'t> {
@@ -106,18 +105,15 @@ impl<'t> Starts<'t> {
             let slots = (0..patches.len()).map(|i| patches.slot_of_patch(i));
             glowing = slots.map(|slot| (patches.facet(tracer, slot), 1.0)).collect();
         }
-        let mut total = 0.0;
-        let power = glowing.iter().map(|(facet, radiance)| {
-            total += radiance * triangle::across(&facet.corners).length();
-            total
-        });
-        Self { power: power.collect(), facets: glowing.into_iter().map(|(facet, _)| facet).collect() }
+        let power = |(facet, radiance): &(Facet, f64)| radiance * triangle::across(&facet.corners).length();
+        let by_power = Discrete::new(glowing.iter().map(power));
+        Self { by_power, facets: glowing.into_iter().map(|(facet, _)| facet).collect() }
     }
 
     /// Where a path starts; each facet has as many as is its share of the power.
     fn of(&self, path: u32) -> Option<Facet<'t>> {
-        let power = self.power.last()? * (f64::from(path) + 0.5) / f64::from(PATHS);
-        self.facets.get(self.power.partition_point(|&sum| sum <= power)).copied()
+        let shines = self.by_power.total() > 0.0;
+        shines.then(|| self.facets[self.by_power.draw((f64::from(path) + 0.5) / f64::from(PATHS)).0])
     }
 }
 

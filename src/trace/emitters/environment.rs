@@ -9,15 +9,16 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use crate::scene::{Environment, luminance};
+use crate::trace::sampling::Discrete;
 
 /// Draws directions by a picture's brightness.
 #[derive(Clone, Debug)]
 pub(crate) struct EnvironmentSampler {
     width: usize,
-    /// Cumulative chances of rows, ending with 1.
-    rows: Vec<f64>,
-    /// Row by row, cumulative chances of its texels, ending with 1.
-    columns: Vec<f64>,
+    /// Chances of rows.
+    rows: Discrete,
+    /// Per row, chances of its texels.
+    columns: Vec<Discrete>,
     /// Per row, the cosines with up of its edges.
     edges: Vec<[f64; 2]>,
 }
@@ -38,25 +39,19 @@ impl EnvironmentSampler {
             (row(above[0]) + 6.0 * row(j) + row(above[2])) / 64.0
         };
         let edges: Vec<[f64; 2]> = (0..height).map(|row| environment.row(row)).collect();
-        let mut columns = Vec::with_capacity(bright.len());
-        let mut rows = Vec::with_capacity(height);
-        for (j, [high, low]) in edges.iter().enumerate() {
-            let first = columns.len();
-            let row = accumulate((0..width).map(|i| mean(i, j)), &mut columns);
-            columns[first..].iter_mut().for_each(|chance| *chance /= if row > 0.0 { row } else { 1.0 });
-            rows.push(row * (high - low));
-        }
-        let mut cumulative = Vec::with_capacity(height);
-        let whole = accumulate(rows.into_iter(), &mut cumulative);
-        cumulative.iter_mut().for_each(|chance| *chance /= if whole > 0.0 { whole } else { 1.0 });
-        Self { width, rows: cumulative, columns, edges }
+        let columns: Vec<Discrete> =
+            (0..height).map(|j| Discrete::new((0..width).map(|i| mean(i, j)))).collect();
+        let row = |(texels, [high, low]): (&Discrete, &[f64; 2])| texels.total() * (high - low);
+        let rows = Discrete::new(columns.iter().zip(&edges).map(row)).normalised();
+        let columns = columns.into_iter().map(Discrete::normalised).collect();
+        Self { width, rows, columns, edges }
     }
 
     /// A direction with density [`EnvironmentSampler::pdf`].
     #[inline]
     pub fn sample(&self, environment: &Environment, [u, v]: [f64; 2]) -> DVec3 {
-        let (row, v) = pick(&self.rows, v);
-        let (column, u) = pick(&self.columns[row * self.width..][..self.width], u);
+        let (row, v) = self.rows.draw(v);
+        let (column, u) = self.columns[row].draw(u);
         let [high, low] = self.edges[row];
         environment.direction((column as f64 + u) / self.width as f64, high + (low - high) * v)
     }
@@ -68,33 +63,9 @@ impl EnvironmentSampler {
         let row = (place.y as usize).min(self.rows.len() - 1);
         let column = (place.x as usize).min(self.width - 1);
         let [high, low] = self.edges[row];
-        let texels = &self.columns[row * self.width..][..self.width];
         let solid_angle = (high - low) * TAU / self.width as f64;
-        chance(&self.rows, row) * chance(texels, column) / solid_angle
+        self.rows.weight(row) * self.columns[row].weight(column) / solid_angle
     }
-}
-
-/// Appends running sums; answers the whole.
-fn accumulate(weights: impl Iterator<Item = f64>, sums: &mut Vec<f64>) -> f64 {
-    let mut total = 0.0;
-    sums.extend(weights.map(|weight| {
-        total += weight;
-        total
-    }));
-    total
-}
-
-/// Which of cumulative chances a random number falls on, and what is left of it, as good as new.
-#[inline]
-pub(crate) fn pick(cumulative: &[f64], random: f64) -> (usize, f64) {
-    let k = cumulative.partition_point(|&upper| upper <= random).min(cumulative.len() - 1);
-    let lower = if k == 0 { 0.0 } else { cumulative[k - 1] };
-    let share = cumulative[k] - lower;
-    (k, if share > 0.0 { ((random - lower) / share).clamp(0.0, 1.0) } else { 0.5 })
-}
-
-fn chance(cumulative: &[f64], k: usize) -> f64 {
-    cumulative[k] - if k == 0 { 0.0 } else { cumulative[k - 1] }
 }
 
 #[cfg(test)]

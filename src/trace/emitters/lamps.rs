@@ -5,13 +5,12 @@
 //! Lambert's formula.
 
 use std::f64::consts::FRAC_1_PI;
-use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::scene::triangle;
 use crate::scene::{FaceState, Side};
-use crate::trace::sampling::uniform_triangle;
+use crate::trace::sampling::{Discrete, uniform_triangle};
 use crate::trace::{Tracer, can_face, form_factor_between, form_factor_to_triangle};
 
 /// Lamps are the brightest faces that together give this share of the emitted power...
@@ -36,8 +35,8 @@ pub struct Lamps {
     faces: Vec<LampFace>,
     /// Per face of the scene: its place in `faces`, or `NONE`.
     lamp_of_face: Vec<u32>,
-    /// Cumulative chances by power alone.
-    by_power: Arc<[f64]>,
+    /// Chances by power alone.
+    by_power: Discrete,
 }
 
 const NONE: u32 = u32::MAX;
@@ -55,9 +54,8 @@ struct LampFace {
 /// The lamps as a small surface sees them.
 #[derive(Clone, Debug, Default)]
 pub struct LampView {
-    /// How likely each lamp is to be drawn: cumulative, ending with 1; all zero where no lamp is above the
-    /// horizon.
-    chances: Arc<[f64]>,
+    /// How likely each lamp is to be drawn; all zero where no lamp is above the horizon.
+    chances: Discrete,
     /// What lamps would contribute if nothing stood in between: Σ F·Lₑ over lamps with brightness Lₑ; where
     /// it is known.
     pub unoccluded: Option<f64>,
@@ -115,7 +113,7 @@ impl Lamps {
         for (k, lamp) in faces.iter().enumerate() {
             lamp_of_face[lamp.face as usize] = k as u32;
         }
-        let by_power = accumulate(faces.iter().map(|l| l.brightness * l.area));
+        let by_power = Discrete::new(faces.iter().map(|l| l.brightness * l.area)).normalised();
         Self { faces, lamp_of_face, by_power }
     }
 
@@ -126,7 +124,7 @@ impl Lamps {
 
     fn none(tracer: &Tracer) -> Self {
         let lamp_of_face = vec![NONE; tracer.scene().faces().len()];
-        Self { faces: Vec::new(), lamp_of_face, by_power: Arc::default() }
+        Self { faces: Vec::new(), lamp_of_face, by_power: Discrete::default() }
     }
 
     /// The lamps' face numbers, ascending.
@@ -177,7 +175,7 @@ impl Lamps {
         let reach = NEAR * corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
         let is_near = |lamp: &LampFace| lamp.corners.iter().any(|corner| corner.distance(centre) < reach);
         let mut unoccluded = 0.0;
-        let chances = accumulate(self.faces.iter().map(|lamp| {
+        let chance = |lamp: &LampFace| {
             if !faces(lamp) {
                 return 0.0;
             }
@@ -189,31 +187,26 @@ impl Lamps {
             unoccluded += contribution;
             // Leave some chance to what other points of the surface may see.
             contribution + 0.05 * estimate
-        }));
+        };
+        let chances = Discrete::new(self.faces.iter().map(chance)).normalised();
         LampView { chances, unoccluded: is_exact.then_some(unoccluded) }
     }
 
     /// A point drawn on a lamp; none where no lamp is above the horizon.
     #[inline]
-    pub fn sample(
-        &self,
-        LampView { chances: cumulative, .. }: &LampView,
-        [u, v]: [f64; 2],
-    ) -> Option<LampPoint> {
-        if cumulative.last().is_none_or(|&total| total == 0.0) {
+    pub fn sample(&self, view: &LampView, [u, v]: [f64; 2]) -> Option<LampPoint> {
+        if view.chances.total() == 0.0 {
             return None;
         }
-        let k = cumulative.partition_point(|&upper| upper <= u).min(self.faces.len() - 1);
-        let (lower, upper) = bounds(cumulative, k);
+        let (k, fresh) = view.chances.draw(u);
         let lamp = &self.faces[k];
-        let [a, b, c] = lamp.corners;
-        let barycentrics = uniform_triangle([((u - lower) / (upper - lower)).clamp(0.0, 1.0), v]);
+        let barycentrics = uniform_triangle([fresh, v]);
         Some(LampPoint {
             face: lamp.face,
-            point: a + (b - a) * barycentrics[0] + (c - a) * barycentrics[1],
+            point: triangle::point(&lamp.corners, barycentrics),
             barycentrics,
             normal: lamp.normal,
-            pdf: (upper - lower) / lamp.area,
+            pdf: view.chances.weight(k) / lamp.area,
             brightness: lamp.brightness,
         })
     }
@@ -221,13 +214,10 @@ impl Lamps {
     /// Density with which [`Lamps::sample`] draws a point of a face, per unit of normalised area; 0 if the
     /// face is no lamp.
     #[inline]
-    pub fn pdf(&self, LampView { chances: cumulative, .. }: &LampView, face: usize) -> f64 {
+    pub fn pdf(&self, view: &LampView, face: usize) -> f64 {
         match self.lamp_of_face[face] {
             NONE => 0.0,
-            k => {
-                let (lower, upper) = bounds(cumulative, k as usize);
-                (upper - lower) / self.faces[k as usize].area
-            }
+            k => view.chances.weight(k as usize) / self.faces[k as usize].area,
         }
     }
 }
@@ -273,25 +263,6 @@ impl LampFace {
         });
         self.brightness * self.area * FRAC_1_PI * 0.25 * looks.iter().sum::<f64>()
     }
-}
-
-fn bounds(cumulative: &[f64], k: usize) -> (f64, f64) {
-    (if k == 0 { 0.0 } else { cumulative[k - 1] }, cumulative[k])
-}
-
-/// Running sums, scaled to end with 1; all zero if there is nothing to sum.
-fn accumulate(weights: impl Iterator<Item = f64>) -> Arc<[f64]> {
-    let mut total = 0.0;
-    let mut sums: Vec<f64> = weights
-        .map(|w| {
-            total += w;
-            total
-        })
-        .collect();
-    if total > 0.0 {
-        sums.iter_mut().for_each(|s| *s /= total);
-    }
-    sums.into()
 }
 
 #[cfg(test)]

@@ -10,12 +10,11 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::environment::pick;
 use super::lights::{Lights, Place, solid_angle};
 use super::sky::{SkyBeam, SkySampler};
 use crate::scene::triangle;
 use crate::scene::{FaceState, Light, Side};
-use crate::trace::sampling::{frame_around, uniform_spherical_triangle, uniform_triangle};
+use crate::trace::sampling::{Discrete, frame_around, uniform_spherical_triangle, uniform_triangle};
 use crate::trace::{Hit, Ray, RayHit, Tracer};
 
 /// Farther away than this, normalised, there is nothing of the scene.
@@ -33,9 +32,9 @@ const LEAST_SHARE: f64 = 0.05;
 pub struct Targets {
     /// Ascending.
     faces: Vec<u32>,
-    /// Area of all, normalised, and cumulative chances by it.
+    /// Area of all, normalised, and chances by it.
     area: f64,
-    by_area: Vec<f64>,
+    by_area: Discrete,
     /// For each light.
     aims: Vec<Aim>,
 }
@@ -43,8 +42,8 @@ pub struct Targets {
 /// How a light aims.
 #[derive(Clone, Debug)]
 struct Aim {
-    /// Cumulative chances of faces.
-    chances: Vec<f64>,
+    /// Chances of faces.
+    chances: Discrete,
     /// The axis and solid angle of the cone from which half of the directions are drawn.
     cone: Option<(DVec3, f64)>,
 }
@@ -78,11 +77,10 @@ impl Targets {
         let kept = |f: &u32| tracer.scene().faces()[*f as usize].state == FaceState::Kept;
         let all = 0..tracer.scene().faces().len() as u32;
         let faces: Vec<u32> = all.filter(|&f| tracer.may_go_on(f)).filter(kept).collect();
-        let mut by_area = Vec::with_capacity(faces.len());
-        let area =
-            accumulate(faces.iter().map(|&f| triangle::area(tracer.corners(f as usize))), &mut by_area);
+        let by_area = Discrete::new(faces.iter().map(|&f| triangle::area(tracer.corners(f as usize))));
+        let area = by_area.total();
         let aims = (0..lights.len()).map(|light| Aim::new(tracer, lights, light, &faces)).collect();
-        (area > 0.0).then_some(Self { faces, area, by_area, aims })
+        (area > 0.0).then_some(Self { faces, area, by_area: by_area.normalised(), aims })
     }
 
     /// A shot from a light by four random numbers; none where it would meet something else first.
@@ -101,7 +99,7 @@ impl Targets {
                         if cone.is_some() {
                             choice = 2.0 * choice - 1.0;
                         }
-                        let face = self.faces[pick(&aim.chances, choice).0];
+                        let face = self.faces[aim.chances.draw(choice).0];
                         (towards(position, tracer.corners(face as usize), [u, v]), Some(face))
                     }
                 };
@@ -127,7 +125,7 @@ impl Targets {
             }
             (_, Place::Towards(..)) => {
                 let [choice, u, s, t] = random;
-                let (k, fresh) = pick(&aim.chances, choice);
+                let (k, fresh) = aim.chances.draw(choice);
                 let face = self.faces[k];
                 let point = point(tracer.corners(face as usize), [fresh, u]);
                 let beam = lights.beam(light, point, [s, t]);
@@ -145,7 +143,7 @@ impl Targets {
     pub fn sky_shot(&self, tracer: &Tracer, sky: &SkySampler, random: [f64; 4]) -> Option<SkyShot> {
         let [choice, u, s, t] = random;
         // Draw a side of a face, a point on it, and a direction into the sky over it.
-        let (k, fresh) = pick(&self.by_area, choice);
+        let (k, fresh) = self.by_area.draw(choice);
         let face = self.faces[k];
         let (side, fresh) =
             if fresh < 0.5 { (Side::Front, 2.0 * fresh) } else { (Side::Back, 2.0 * fresh - 1.0) };
@@ -172,9 +170,7 @@ impl Targets {
 
     /// The chance that a light draws a face.
     fn chance(&self, aim: &Aim, face: u32) -> f64 {
-        self.faces
-            .binary_search(&face)
-            .map_or(0.0, |k| aim.chances[k] - if k == 0 { 0.0 } else { aim.chances[k - 1] })
+        self.faces.binary_search(&face).map_or(0.0, |k| aim.chances.weight(k))
     }
 }
 
@@ -196,27 +192,13 @@ impl Aim {
                 }
             }
         };
-        let mut chances = Vec::with_capacity(faces.len());
-        accumulate(faces.iter().map(weight), &mut chances);
+        let chances = Discrete::new(faces.iter().map(weight)).normalised();
         let cone = match *source {
             Light::Spot { direction, cone, .. } => Some((direction, TAU * (1.0 - cone.to_radians().cos()))),
             _ => None,
         };
         Self { chances, cone }
     }
-}
-
-/// Appends cumulative chances by weights; answers the sum of these.
-fn accumulate(weights: impl Iterator<Item = f64>, chances: &mut Vec<f64>) -> f64 {
-    let mut total = 0.0;
-    chances.extend(weights.map(|weight| {
-        total += weight;
-        total
-    }));
-    if total > 0.0 {
-        chances.iter_mut().for_each(|chance| *chance /= total);
-    }
-    total
 }
 
 /// A ray that comes from a direction to a point of a face, from outside of the scene, where the face is the

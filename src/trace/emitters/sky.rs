@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 
 use super::environment::EnvironmentSampler;
 use crate::scene::{Environment, Sky, SkyKind, SkyShares};
-use crate::trace::sampling::{cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
+use crate::trace::sampling::{Discrete, cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
 
 /// Cells of equal solid angle by which brightness is known: rings from zenith to nadir, and parts of each.
 const RINGS: usize = 64;
@@ -20,10 +20,18 @@ pub struct SkySampler {
     zenith: Vec<f64>,
     /// From the sky's frame, whose third axis is up.
     frame: DMat3,
-    /// Cumulative chances of the cells; empty where all directions are alike.
-    chances: Vec<f64>,
-    /// What draws directions of an environment.
-    environment: Option<(Arc<Environment>, EnvironmentSampler)>,
+    brightness: Brightness,
+}
+
+/// By what a sky's bright directions are drawn.
+#[derive(Clone, Debug)]
+enum Brightness {
+    /// All directions are alike.
+    Even,
+    /// By chances of the cells.
+    Cells(Discrete),
+    /// By a picture.
+    Environment(Arc<Environment>, EnvironmentSampler),
 }
 
 /// A direction into the sky.
@@ -51,24 +59,15 @@ impl SkySampler {
     pub fn new(sky: &Sky) -> Self {
         let shares = sky.shares();
         let frame = frame_around(sky.up);
-        let mut total = 0.0;
-        let mut chances: Vec<f64> = match sky.kind {
-            SkyKind::Constant | SkyKind::Environment(_) => Vec::new(),
-            _ => (0..RINGS * PARTS)
-                .map(|cell| {
-                    total += shares.from(frame * in_cell(cell, [0.5; 2]));
-                    total
-                })
-                .collect(),
-        };
-        chances.iter_mut().for_each(|chance| *chance /= total);
-        let environment = match &sky.kind {
+        let share = |cell: usize| shares.from(frame * in_cell(cell, [0.5; 2]));
+        let brightness = match &sky.kind {
+            SkyKind::Constant => Brightness::Even,
             SkyKind::Environment(environment) => {
-                Some((environment.clone(), EnvironmentSampler::new(environment)))
+                Brightness::Environment(environment.clone(), EnvironmentSampler::new(environment))
             }
-            _ => None,
+            _ => Brightness::Cells(Discrete::new((0..RINGS * PARTS).map(share)).normalised()),
         };
-        Self { shares, zenith: sky.zenith.clone(), frame, chances, environment }
+        Self { shares, zenith: sky.zenith.clone(), frame, brightness }
     }
 
     /// Radiance of the zenith per channel, by which shares are multiplied.
@@ -95,12 +94,15 @@ impl SkySampler {
     /// the mean of both.
     #[inline]
     pub fn sample(&self, normal: DVec3, [u, v]: [f64; 2]) -> SkyBeam {
-        let direction = if self.is_even() {
-            frame_around(normal) * cosine_hemisphere([u, v])
-        } else if u < 0.5 {
-            frame_around(normal) * cosine_hemisphere([2.0 * u, v])
-        } else {
-            self.by_brightness([2.0 * u - 1.0, v])
+        let by_cosine = |square: [f64; 2]| frame_around(normal) * cosine_hemisphere(square);
+        let direction = match &self.brightness {
+            Brightness::Even => by_cosine([u, v]),
+            _ if u < 0.5 => by_cosine([2.0 * u, v]),
+            Brightness::Cells(cells) => {
+                let (cell, fresh) = cells.draw(2.0 * u - 1.0);
+                self.frame * in_cell(cell, [fresh, v])
+            }
+            Brightness::Environment(environment, sampler) => sampler.sample(environment, [2.0 * u - 1.0, v]),
         };
         let cosine = normal.dot(direction);
         if cosine <= 0.0 {
@@ -112,48 +114,31 @@ impl SkySampler {
 
     /// Whether its beams have tints: directions differ in colour.
     pub fn is_tinted(&self) -> bool {
-        self.environment.is_some()
-    }
-
-    /// Whether all directions are alike.
-    fn is_even(&self) -> bool {
-        self.chances.is_empty() && self.environment.is_none()
+        matches!(self.brightness, Brightness::Environment(..))
     }
 
     /// Density of [`SkySampler::sample`], per unit of solid angle.
     #[inline]
     pub fn pdf(&self, normal: DVec3, direction: DVec3) -> f64 {
         let by_cosine = cosine_hemisphere_pdf(normal.dot(direction));
-        if self.is_even() { by_cosine } else { 0.5 * (by_cosine + self.brightness_pdf(direction)) }
+        let by_brightness = match &self.brightness {
+            Brightness::Even => return by_cosine,
+            Brightness::Cells(cells) => {
+                let cell = cell_of(self.frame.transpose() * direction);
+                cells.weight(cell) * (RINGS * PARTS) as f64 / (4.0 * PI)
+            }
+            Brightness::Environment(environment, sampler) => sampler.pdf(environment, direction),
+        };
+        0.5 * (by_cosine + by_brightness)
     }
+}
 
-    fn by_brightness(&self, [u, v]: [f64; 2]) -> DVec3 {
-        if let Some((environment, sampler)) = &self.environment {
-            return sampler.sample(environment, [u, v]);
-        }
-        let cell = self.chances.partition_point(|&upper| upper <= u).min(self.chances.len() - 1);
-        let (lower, chance) = self.chance(cell);
-        // What is left of u within the cell's share is as good as new.
-        let fresh = ((u - lower) / chance).clamp(0.0, 1.0);
-        self.frame * in_cell(cell, [fresh, v])
-    }
-
-    fn brightness_pdf(&self, direction: DVec3) -> f64 {
-        if let Some((environment, sampler)) = &self.environment {
-            return sampler.pdf(environment, direction);
-        }
-        let local = self.frame.transpose() * direction;
-        let place = |x: f64, count: usize| ((x * count as f64) as usize).min(count - 1);
-        let ring = place(0.5 * (1.0 - local.z), RINGS);
-        let part = place(0.5 + local.y.atan2(local.x) / TAU, PARTS);
-        self.chance(ring * PARTS + part).1 * (RINGS * PARTS) as f64 / (4.0 * PI)
-    }
-
-    /// Where a cell's share of all chances begins, and how large it is.
-    fn chance(&self, cell: usize) -> (f64, f64) {
-        let lower = if cell == 0 { 0.0 } else { self.chances[cell - 1] };
-        (lower, self.chances[cell] - lower)
-    }
+/// The cell that a direction lies in; the third axis is up.
+fn cell_of(direction: DVec3) -> usize {
+    let place = |x: f64, count: usize| ((x * count as f64) as usize).min(count - 1);
+    let ring = place(0.5 * (1.0 - direction.z), RINGS);
+    let part = place(0.5 + direction.y.atan2(direction.x) / TAU, PARTS);
+    ring * PARTS + part
 }
 
 /// A direction within a cell, uniform in solid angle; the third axis is up.

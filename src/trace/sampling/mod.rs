@@ -4,12 +4,14 @@
 //! drawn in *batches*, each with a scrambling of its own, so that the spread between batches measures the
 //! error. [`Stream`] lists what they are for.
 
+mod discrete;
 mod streams;
 
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use glam::{DMat3, DVec3};
 
+pub use discrete::Discrete;
 pub use streams::Stream;
 
 /// The most points a scrambling has.

@@ -12,7 +12,7 @@ use glam::DVec3;
 use crate::patches::{Outlook, Stretch};
 use crate::scene::Side;
 use crate::scene::triangle;
-use crate::trace::sampling::{Stream, uniform_triangle};
+use crate::trace::sampling::{Discrete, Stream, uniform_triangle};
 use crate::trace::{IN_PLANE, Lamps, Tracer};
 use crate::transport::rows::RayCount;
 
@@ -166,8 +166,8 @@ struct Places<'a, 's> {
     tracer: &'a Tracer<'s>,
     is_lamp: Vec<bool>,
     sides: Vec<(Stretch, Side)>,
-    /// Cumulative numbers of patches, and areas, per entry of `sides`.
-    by: [Vec<f64>; 2],
+    /// Entries of `sides` by number of patches, and by area.
+    by: [Discrete; 2],
 }
 
 impl<'a, 's> Places<'a, 's> {
@@ -180,31 +180,24 @@ impl<'a, 's> Places<'a, 's> {
     ) -> Self {
         let mut is_lamp = vec![false; counts.len()];
         lamps.faces().for_each(|face| is_lamp[face as usize] = true);
-        let mut places = Self { tracer, is_lamp, sides: Vec::new(), by: [Vec::new(), Vec::new()] };
-        let mut sums = [0.0; 2];
+        let mut sides: Vec<(Stretch, Side)> = Vec::new();
         for stretch in stretches {
-            for (side, count) in Side::BOTH.into_iter().zip(counts[stretch.face]) {
-                if count > 0.0 {
-                    sums[0] += stretch.cells;
-                    sums[1] += triangle::area(&stretch.corners);
-                    places.sides.push((stretch, side));
-                    places.by.iter_mut().zip(sums).for_each(|(by, sum)| by.push(sum));
-                }
-            }
+            let with_patches = Side::BOTH.into_iter().zip(counts[stretch.face]).filter(|side| side.1 > 0.0);
+            sides.extend(with_patches.map(|(side, _)| (stretch, side)));
         }
-        places
+        let by_count = Discrete::new(sides.iter().map(|(stretch, _)| stretch.cells));
+        let by_area = Discrete::new(sides.iter().map(|(stretch, _)| triangle::area(&stretch.corners)));
+        Self { tracer, is_lamp, sides, by: [by_count, by_area] }
     }
 
     /// Draws places, these parts of them by number of patches and by area.
     fn draw(&self, number: u32, stream: Stream, parts: [f64; 2]) -> Vec<Place> {
-        let totals = self.by.each_ref().map(|by| by.last().copied().unwrap_or(0.0));
+        let totals = self.by.each_ref().map(Discrete::total);
         let split = (f64::from(number) * parts[0]) as u32;
         let place = |k: u32| {
             let [which, s, t, _] = stream.sequence(0, 0, 0).point(k);
-            let kind = usize::from(k >= split);
-            let goal = which * totals[kind];
-            let at = self.by[kind].partition_point(|&sum| sum <= goal).min(self.sides.len() - 1);
-            let (Stretch { face, corners, cells: count }, side) = self.sides[at];
+            let (drawn, _) = self.by[usize::from(k >= split)].draw(which);
+            let (Stretch { face, corners, cells: count }, side) = self.sides[drawn];
             let area = triangle::area(&corners);
             // Density of this very patch among all draws.
             let density = parts[0] / totals[0] + parts[1] * area / count / totals[1];

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::PARTS;
 use crate::patches::Patches;
-use crate::trace::sampling::{SEQUENCE_END, Stream, uniform_triangle};
+use crate::trace::sampling::{Discrete, SEQUENCE_END, Stream, uniform_triangle};
 use crate::trace::{Destination, Tint, Tracer};
 
 /// Rays that one task takes.
@@ -96,8 +96,8 @@ struct Senders<'a> {
     patches: &'a Patches<'a>,
     /// Per sender its patch, and its radiance averaged over channels.
     all: Vec<(usize, f64)>,
-    /// Per sender π M Lₑ of it and of those before, averaged over channels.
-    power: Vec<f64>,
+    /// By π M Lₑ, averaged over channels.
+    by_power: Discrete,
     seed: u64,
 }
 
@@ -105,12 +105,9 @@ impl<'a> Senders<'a> {
     fn new(tracer: &'a Tracer, patches: &'a Patches, emitted: &DMatrix<f64>, seed: u64) -> Self {
         let radiance = emitted.row_iter().map(|row| row.mean());
         let all: Vec<(usize, f64)> = radiance.enumerate().filter(|&(_, radiance)| radiance > 0.0).collect();
-        let mut sum = 0.0;
-        let power = all.iter().map(|&(patch, radiance)| {
-            sum += PI * patches.normalised_etendues()[patch] * radiance;
-            sum
-        });
-        Self { power: power.collect(), tracer, patches, all, seed }
+        let power = |&(patch, radiance): &(usize, f64)| PI * patches.normalised_etendues()[patch] * radiance;
+        let by_power = Discrete::new(all.iter().map(power));
+        Self { by_power, tracer, patches, all, seed }
     }
 
     /// What does not arrive of all their light, estimated by each part of the rays.
@@ -140,13 +137,12 @@ impl<'a> Senders<'a> {
         let channels = self.tracer.scene().channels();
         let (mut missing, mut left) = (vec![[0.0; 3]; channels], vec![1.0; channels]);
         let sequence = Stream::LampRays.sequence(self.seed, 0, part as u64);
-        let total = self.power[self.power.len() - 1];
+        let total = self.by_power.total();
         for point in points {
             // Choose a sender by its power.
             let [chance, ..] = sequence.dimensions(point, 1);
             let goal = total * (f64::from(point) + chance) / f64::from(per_part);
-            let place = self.power.partition_point(|&sum| sum <= goal).min(self.all.len() - 1);
-            let (patch, radiance) = self.all[place];
+            let (patch, radiance) = self.all[self.by_power.draw_at(goal).0];
             let facet = self.patches.facet(self.tracer, self.patches.slot_of_patch(patch));
             let Some(ray) = facet.rays(sequence, point..point + 1).next() else { continue };
             // Follow a ray from it, dimmed by carriers in every channel.
