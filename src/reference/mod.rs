@@ -157,10 +157,10 @@ impl<'t, 's> PathTracer<'t, 's> {
         let hit = met.hit;
         let mut own = [0.0; 3];
         if hit.side == Side::Front && walker.lights.density(hit.face) > 0.0 {
-            let trust = walker.trust(&met);
+            let mis_weight = walker.mis_weight(&met);
             let emission = walker.emission(hit.face, hit.barycentrics, &mut own);
             let seen = emission.iter().zip(&colour);
-            radiance.iter_mut().zip(seen).for_each(|(sum, (e, colour))| *sum += trust * e * colour);
+            radiance.iter_mut().zip(seen).for_each(|(sum, (e, colour))| *sum += mis_weight * e * colour);
         }
         let [s, t, way, _] = numbers.next();
         let mut rho = vec![1.0; walker.channels];

@@ -18,14 +18,13 @@ use glam::DVec3;
 use super::beams::Beams;
 use super::lights::Lights;
 use crate::scene::{FaceTexture, Side};
-use crate::trace::sampling::Sequence;
-use crate::trace::{Glossy, Hit, IN_PLANE, Interaction, Ray, RayHit, Tint, Tracer};
+use crate::trace::sampling::{Sequence, power_heuristic};
+use crate::trace::{
+    Destination, Glossy, Hit, IN_PLANE, Interaction, Ray, RayHit, SpecularPath, Tint, Tracer,
+};
 
 /// Steps that every walk takes; from then on Russian roulette decides whether it goes on.
 pub(super) const CERTAIN: usize = 3;
-
-/// A path that has met more carriers than this between two diffuse surfaces is given up.
-const MOST_CARRIERS: usize = 1000;
 
 /// A diffuse surface that a walk has come to.
 pub(super) struct Met {
@@ -228,7 +227,7 @@ impl<'t, 's> Walker<'t, 's> {
             // Count the lamp that was met.
             if hit.side == Side::Front && self.lights.density(hit.face) > 0.0 {
                 let emission = self.emission(hit.face, hit.barycentrics, &mut own);
-                arrives(k + 1, PI * self.trust(&met), weight, emission);
+                arrives(k + 1, PI * self.mis_weight(&met), weight, emission);
             }
             // Reflect or let through, and let chance decide whether what is left is worth another step.
             let before = largest(weight);
@@ -264,60 +263,40 @@ impl<'t, 's> Walker<'t, 's> {
     /// a coat and was looked for there.
     pub fn beyond_carriers(
         &self,
-        RayHit { mut ray, mut hit }: RayHit,
+        met: RayHit,
         numbers: &mut Numbers,
         [weight, scratch]: [&mut [f64]; 2],
-        mut lamp_seen: impl FnMut(f64, &[f64], &[f64]),
+        lamp_seen: impl FnMut(f64, &[f64], &[f64]),
     ) -> Beyond {
-        let mut is_straight = true;
-        for met in 0..MOST_CARRIERS {
-            let glossy = self.tracer.glossy(&ray, &hit);
-            if let Some(glossy) = &glossy {
-                // Look straight at a lamp.
-                let [u, v, ..] = numbers.next();
-                let mut own = [0.0; 3];
-                self.look_at_light_from(glossy, hit.face, [u, v], |part, tint, (face, point)| {
-                    scratch.iter_mut().zip(&*weight).zip(tint.parts()).for_each(|((s, w), t)| *s = w * t);
-                    lamp_seen(part, scratch, self.emission(face, point, &mut own));
-                });
+        let mut path = SpecularWalk {
+            walker: self,
+            numbers,
+            weight,
+            scratch,
+            lamp_seen,
+            met: 0,
+            glossy: None,
+            sender: None,
+            direction: met.ray.direction,
+            is_straight: true,
+        };
+        let end = self.tracer.follow_path(met, &mut path);
+        let SpecularWalk { sender, direction, is_straight, .. } = path;
+        match end {
+            Destination::Diffuse { hit, .. } => {
+                let density = sender.map(|glossy| glossy.density(direction));
+                Beyond::Met(Met { hit, direction, density, is_straight })
             }
-            let [way, life, u, v] = numbers.next();
-            let Some(scattered) = self.tracer.scatter(&ray, &hit, [way, u, v], || numbers.next()) else {
-                // Plastic is no lamp, so that nothing looks for it from elsewhere.
-                return Beyond::Met(Met { hit, direction: ray.direction, density: None, is_straight });
-            };
-            if let Some(colour) = scattered.colour {
-                let before = largest(weight);
-                weight.iter_mut().zip(colour.parts()).for_each(|(w, part)| *w *= part);
-                let survival = largest(weight) / before;
-                if survival.is_nan() || survival == 0.0 {
-                    return Beyond::Nowhere;
-                }
-                // Far on its way, let chance decide whether what is left is worth another step.
-                if met >= CERTAIN {
-                    if life >= survival {
-                        return Beyond::Nowhere;
-                    }
-                    weight.iter_mut().for_each(|w| *w /= survival);
-                }
-            }
-            is_straight &= self.tracer.goes_straight(&ray, &hit, &scattered.ray);
-            ray = scattered.ray;
-            let Some(next) = self.tracer.closest_hit(&ray) else { return Beyond::Away { ray, is_straight } };
-            hit = next;
-            if !self.tracer.may_go_on(hit.face) {
-                let density = glossy.map(|glossy| glossy.density(ray.direction));
-                return Beyond::Met(Met { hit, direction: ray.direction, density, is_straight });
-            }
+            Destination::Away(ray) => Beyond::Away { ray, is_straight },
+            Destination::Absorbed | Destination::Lost => Beyond::Nowhere,
         }
-        Beyond::Nowhere
     }
 
-    /// How much of a lamp that was met is to be believed, beside what is found by points drawn on lamps.
-    pub fn trust(&self, Met { hit, direction, density, .. }: &Met) -> f64 {
+    /// Weight of a lamp that was met by multiple importance sampling, beside points drawn on lamps.
+    pub fn mis_weight(&self, Met { hit, direction, density, .. }: &Met) -> f64 {
         let Some(by_direction) = *density else { return 1.0 };
         let cosine = -self.tracer.normal(hit.face as usize, hit.side).dot(*direction);
-        share(by_direction, self.lights.density(hit.face) * hit.distance * hit.distance / cosine)
+        power_heuristic(by_direction, self.lights.density(hit.face) * hit.distance * hit.distance / cosine)
     }
 
     /// A point on a lamp that is seen from a rough conductor: calls `seen(part, tint, (face, point))` for
@@ -343,9 +322,9 @@ impl<'t, 's> Walker<'t, 's> {
             return;
         }
         let by_light = light.density * distance * distance / cosine;
-        let trust = share(by_light, by_direction);
+        let mis_weight = power_heuristic(by_light, by_direction);
         for (value, tint) in reflected {
-            seen(value / by_light * trust, tint, (light.face, light.barycentrics));
+            seen(value / by_light * mis_weight, tint, (light.face, light.barycentrics));
         }
     }
 
@@ -368,9 +347,77 @@ impl<'t, 's> Walker<'t, 's> {
         let by_light = light.density * squared * distance / there;
         let by_direction = place.pdf(here / distance);
         // cos θ cos θ′ / r², per density of the point.
-        let seen = here * there / (squared * squared) / light.density * share(by_light, by_direction);
+        let seen =
+            here * there / (squared * squared) / light.density * power_heuristic(by_light, by_direction);
         let seen = seen * place.weight(here / distance);
         Some((seen, light.face, light.barycentrics))
+    }
+}
+
+/// A walk over carriers: it takes their colours, looks for a lamp from each rough one, and lets chance decide
+/// far on its way whether what is left is worth another step.
+struct SpecularWalk<'a, 't, 's, F> {
+    walker: &'a Walker<'t, 's>,
+    numbers: &'a mut Numbers,
+    weight: &'a mut [f64],
+    scratch: &'a mut [f64],
+    lamp_seen: F,
+    /// Carriers so far.
+    met: usize,
+    /// The rough carrier that was met last; a lamp was looked for from there.
+    glossy: Option<Glossy<'a>>,
+    /// The one that sent the last ray.
+    sender: Option<Glossy<'a>>,
+    /// Of the last ray.
+    direction: DVec3,
+    is_straight: bool,
+}
+
+impl<F: FnMut(f64, &[f64], &[f64])> SpecularPath for SpecularWalk<'_, '_, '_, F> {
+    #[inline]
+    fn numbers(&mut self) -> [f64; 4] {
+        self.numbers.next()
+    }
+
+    #[inline]
+    fn meets(&mut self, ray: &Ray, hit: &Hit) {
+        let walker = self.walker;
+        self.glossy = walker.tracer.glossy(ray, hit);
+        // Plastic that lets light under it is no lamp, so that nothing looks for it from elsewhere.
+        self.sender = None;
+        let Some(glossy) = &self.glossy else { return };
+        let [u, v, ..] = self.numbers.next();
+        let Self { weight, scratch, lamp_seen, .. } = self;
+        let mut own = [0.0; 3];
+        walker.look_at_light_from(glossy, hit.face, [u, v], |part, tint, (face, point)| {
+            scratch.iter_mut().zip(&**weight).zip(tint.parts()).for_each(|((s, w), t)| *s = w * t);
+            lamp_seen(part, scratch, walker.emission(face, point, &mut own));
+        });
+    }
+
+    #[inline]
+    fn survives(&mut self, colour: Tint, chance: f64) -> bool {
+        let before = largest(self.weight);
+        self.weight.iter_mut().zip(colour.parts()).for_each(|(w, part)| *w *= part);
+        let survival = largest(self.weight) / before;
+        if survival.is_nan() || survival == 0.0 {
+            return false;
+        }
+        if self.met >= CERTAIN {
+            if chance >= survival {
+                return false;
+            }
+            self.weight.iter_mut().for_each(|w| *w /= survival);
+        }
+        true
+    }
+
+    #[inline]
+    fn goes_on(&mut self, before: &Ray, hit: &Hit, after: &Ray) {
+        self.is_straight &= self.walker.tracer.goes_straight(before, hit, after);
+        self.sender = self.glossy.take();
+        self.direction = after.direction;
+        self.met += 1;
     }
 }
 
@@ -379,13 +426,6 @@ fn varied<'a>(colour: &[f64], factors: [f64; 3], own: &'a mut [f64; 3]) -> &'a [
     let channels = colour.len().min(own.len());
     own.iter_mut().zip(colour).zip(factors).for_each(|((own, x), factor)| *own = x * factor);
     &own[..channels]
-}
-
-/// The power heuristic: how much of what one way of sampling finds is to be believed beside another.
-#[inline]
-fn share(density: f64, other: f64) -> f64 {
-    let ratio = other / density;
-    1.0 / (1.0 + ratio * ratio)
 }
 
 #[inline]

@@ -7,7 +7,7 @@ use super::goals::Goals;
 use super::symmetric::Root;
 use super::{SolveError, minres};
 use crate::progress::Progress;
-use crate::transport::Transport;
+use crate::transport::{System, Transport, conjugate_gradients};
 
 /// The most passes over the matrix where none are asked for.
 pub(super) const MOST: usize = 5000;
@@ -40,57 +40,47 @@ pub(super) fn iterate(
     limits: (usize, Progress),
 ) -> Result<(DMatrix<f64>, usize), SolveError> {
     if root.is_definite() {
-        conjugate(root, through, goals, limits)
+        let (iterations, progress) = limits;
+        let b = root.transposed_times(through);
+        let goals = goals.starting_from(&root.times(&b));
+        let through = DMatrix::zeros(through.nrows(), through.ncols());
+        let mut system = Definite { root, goals, through, passes: 1, iterations, progress };
+        let y = conjugate_gradients(&mut system, b)?;
+        Ok((root.times(&y), system.passes))
     } else {
         minres::iterate(root, through, goals, limits)
     }
 }
 
-/// Conjugate gradients until the residual of L = E + R y meets the goals; answers R y and the number of passes, that for
-/// `through` = S E among them.
-fn conjugate(
-    root: &Root,
-    through: &DMatrix<f64>,
-    goals: Goals,
-    (iterations, progress): (usize, Progress),
-) -> Result<(DMatrix<f64>, usize), SolveError> {
-    let (n, channels) = through.shape();
-    let mut r = root.transposed_times(through);
-    // The residual of L is R r, for J = I.
-    let mut goals = goals.starting_from(&root.times(&r));
-    let mut through = DMatrix::zeros(n, channels);
-    let mut passes = 1;
-    let mut y = DMatrix::zeros(n, channels);
-    let mut p = r.clone();
-    let mut rr: Vec<f64> = r.column_iter().map(|column| column.norm_squared()).collect();
-    while passes < iterations {
-        let excesses = goals.excesses(&root.times(&r));
-        if excesses.iter().all(|&excess| excess <= 1.0) {
-            break;
-        }
-        goals.report(&excesses, progress)?;
-        // q = (I − RᵀSR) p
-        root.operator().through(&root.times(&p), &mut through);
-        passes += 1;
-        let q = &p - root.transposed_times(&through);
-        let mut moved = false;
-        for c in 0..channels {
-            let curvature = p.column(c).dot(&q.column(c));
-            if excesses[c] <= 1.0 || curvature <= 0.0 {
-                continue;
-            }
-            moved = true;
-            let alpha = rr[c] / curvature;
-            y.column_mut(c).axpy(alpha, &p.column(c), 1.0);
-            r.column_mut(c).axpy(-alpha, &q.column(c), 1.0);
-            let next = r.column(c).norm_squared();
-            let beta = next / rr[c];
-            rr[c] = next;
-            p.column_mut(c).axpy(1.0, &r.column(c), beta);
-        }
-        if !moved {
-            break;
-        }
+/// Conjugate gradients on (I − RᵀSR) y = RᵀSE.
+struct Definite<'a> {
+    root: &'a Root,
+    goals: Goals<'a>,
+    through: DMatrix<f64>,
+    passes: usize,
+    iterations: usize,
+    progress: Progress<'a>,
+}
+
+impl System for Definite<'_> {
+    type Error = SolveError;
+
+    fn times(&mut self, p: &DMatrix<f64>) -> DMatrix<f64> {
+        self.root.operator().through(&self.root.times(p), &mut self.through);
+        self.passes += 1;
+        p - self.root.transposed_times(&self.through)
     }
-    Ok((root.times(&y), passes))
+
+    fn goes_on(&mut self, r: &DMatrix<f64>, _rz: &[f64]) -> Result<Vec<bool>, SolveError> {
+        if self.passes >= self.iterations {
+            return Ok(vec![false; r.ncols()]);
+        }
+        // The residual of L is R r, for J = I.
+        let excesses = self.goals.excesses(&self.root.times(r));
+        let goes_on: Vec<bool> = excesses.iter().map(|&excess| excess > 1.0).collect();
+        if goes_on.contains(&true) {
+            self.goals.report(&excesses, self.progress)?;
+        }
+        Ok(goes_on)
+    }
 }

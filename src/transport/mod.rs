@@ -5,6 +5,7 @@
 //! [`Transport`] adds the reflectances and is the operator that the solvers invert. The two stay apart so
 //! that other reflectances, lamps and lamp powers cost no rays.
 
+mod conjugate_gradients;
 mod exchange;
 mod form_factors;
 mod lanczos;
@@ -14,6 +15,7 @@ mod reflection;
 mod rows;
 mod sources;
 
+pub(crate) use conjugate_gradients::{System, conjugate_gradients};
 pub use exchange::{Blocks, Closure, Exchange, Mass, Storage, StorageKind};
 pub use form_factors::{
     DISAGREE, Disagreement, FactorsFileError, FormFactors, GroupFactor, Keep, Merged, Occlusion, Reuse,

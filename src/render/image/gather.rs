@@ -13,15 +13,14 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 
 use super::field::{Elements, Field, rgb_of, rgb_rows};
-use super::highlights::{Highlights, Views};
+use super::highlights::{Highlights, Shine, Views};
 use crate::patches::{Barycentrics, Patches};
 use crate::render::tone::to_rgb;
 use crate::scene::Side;
 use crate::trace::sampling::Sequence;
-use crate::trace::{Hit, Interaction, LampView, Lamps, Lights, Ray, RayHit, Tracer};
-
-/// A camera's ray that has met more carriers than this is given up.
-const MOST_CARRIERS: u32 = 256;
+use crate::trace::{
+    Destination, Hit, Interaction, LampView, Lamps, Lights, Ray, RayHit, SpecularPath, Tint, Tracer,
+};
 
 /// All it takes to gather light at a point.
 pub(super) struct Gather<'a, 's> {
@@ -107,42 +106,34 @@ impl<'a, 's> Gather<'a, 's> {
         lit.then(|| (hit, self.radiance(&hit, look)))
     }
 
-    /// The radiance that comes along a ray which carriers pass on from `hit`, by one way at each; `radiance`
-    /// tells that of diffuse surfaces, `away` that of what lies outside.
+    /// The radiance that comes along a ray which carriers pass on from where it met one, by one way at each;
+    /// `radiance` tells that of diffuse surfaces, `away` that of what lies outside.
     fn seen_over_carriers(
         &self,
-        RayHit { mut ray, mut hit }: RayHit,
+        met: RayHit,
         look: &mut Look,
         away: impl Fn(&Ray) -> DVec3,
         radiance: impl FnOnce(&Hit, &mut Look) -> DVec3,
     ) -> DVec3 {
-        let (mut seen, mut colour) = (DVec3::ZERO, DVec3::ONE);
-        for _ in 0..MOST_CARRIERS {
-            let shine = match (&self.highlights, self.tracer.glossy(&ray, &hit)) {
-                (Some(highlights), Some(glossy)) => Some(highlights.shine(look.views, glossy, &hit)),
-                _ => None,
-            };
-            if let Some(shine) = &shine {
-                let [s, t, ..] = look.next();
-                seen += colour * shine.of_a_lamp([s, t]);
-            }
-            let [way, _, u, v] = look.next();
-            let Some(scattered) = self.tracer.scatter(&ray, &hit, [way, u, v], || look.next()) else {
-                return seen + colour * radiance(&hit, look);
-            };
-            colour *= scattered.colour.map_or(DVec3::ONE, rgb_of);
-            ray = scattered.ray;
-            if colour.max_element() <= 0.0 {
-                return seen;
-            }
-            let Some(next) = self.tracer.closest_hit(&ray) else { return seen + colour * away(&ray) };
-            hit = next;
-            if !self.tracer.may_go_on(hit.face) {
+        let mut path = Glance {
+            gather: self,
+            look,
+            seen: DVec3::ZERO,
+            colour: DVec3::ONE,
+            shine: None,
+            sender: None,
+            ray: met.ray,
+        };
+        let end = self.tracer.follow_path(met, &mut path);
+        let Glance { look, seen, colour, sender, ray, .. } = path;
+        match end {
+            Destination::Diffuse { hit, .. } => {
                 let radiance = radiance(&hit, look);
-                return seen + colour * shine.map_or(radiance, |shine| shine.left_of(radiance, &ray, &hit));
+                seen + colour * sender.map_or(radiance, |shine| shine.left_of(radiance, &ray, &hit))
             }
+            Destination::Away(ray) => seen + colour * away(&ray),
+            Destination::Absorbed | Destination::Lost => seen,
         }
-        seen
     }
 
     /// Radiance that leaves where a ray ended, estimated with random numbers for a point of the lamps and a
@@ -248,6 +239,51 @@ impl<'a, 's> Gather<'a, 's> {
         let share = if g > 0.0 { pdf / (pdf + g) } else { 0.0 };
         // A linear element that falls below what the lamp emits leaves nothing to add.
         (radiance - self.emitted(hit.face, hit.side, hit.barycentrics) * share).max(DVec3::ZERO)
+    }
+}
+
+/// A camera's ray on its way over carriers.
+struct Glance<'a, 'v, 'l, 's> {
+    gather: &'a Gather<'a, 's>,
+    look: &'l mut Look<'v>,
+    /// Radiance that rough carriers reflect from lamps, so far.
+    seen: DVec3,
+    /// What carriers leave of what is still to be seen.
+    colour: DVec3,
+    /// Lamps as the rough carrier that was met last shows them.
+    shine: Option<Shine<'a>>,
+    /// And the one that sent the last ray.
+    sender: Option<Shine<'a>>,
+    /// The last ray.
+    ray: Ray,
+}
+
+impl SpecularPath for Glance<'_, '_, '_, '_> {
+    fn numbers(&mut self) -> [f64; 4] {
+        self.look.next()
+    }
+
+    fn meets(&mut self, ray: &Ray, hit: &Hit) {
+        let gather = self.gather;
+        self.sender = None;
+        self.shine = match (&gather.highlights, gather.tracer.glossy(ray, hit)) {
+            (Some(highlights), Some(glossy)) => Some(highlights.shine(self.look.views, glossy, hit)),
+            _ => None,
+        };
+        if let Some(shine) = &self.shine {
+            let [s, t, ..] = self.look.next();
+            self.seen += self.colour * shine.of_a_lamp([s, t]);
+        }
+    }
+
+    fn survives(&mut self, colour: Tint, _chance: f64) -> bool {
+        self.colour *= rgb_of(colour);
+        self.colour.max_element() > 0.0
+    }
+
+    fn goes_on(&mut self, _before: &Ray, _hit: &Hit, after: &Ray) {
+        self.ray = *after;
+        self.sender = self.shine.take();
     }
 }
 

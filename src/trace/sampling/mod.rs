@@ -175,6 +175,14 @@ pub fn cosine_hemisphere_pdf(cos_theta: f64) -> f64 {
     cos_theta.max(0.0) * FRAC_1_PI
 }
 
+/// The power heuristic with exponent 2 (Veach 1997, eq. 9.13): the weight of a sample that was drawn with
+/// density `pdf` where another way of sampling would draw it with density `other`, in the same unit.
+#[inline]
+pub fn power_heuristic(pdf: f64, other: f64) -> f64 {
+    let ratio = other / pdf;
+    1.0 / (1.0 + ratio * ratio)
+}
+
 /// Columns tangent, bitangent and normal: a right-handed frame around a unit normal (Duff et al. 2017).
 #[inline]
 pub fn frame_around(normal: DVec3) -> DMat3 {

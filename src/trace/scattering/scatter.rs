@@ -12,13 +12,11 @@ use glam::DVec3;
 use super::coat::Coat;
 use super::fresnel::fresnel;
 use super::gloss::Gloss;
+use super::specular_path::MOST_MET;
 use super::tint::Tint;
 use crate::scene::{Side, Surface};
 use crate::trace::sampling::frame_around;
-use crate::trace::{Finish, Hit, Ray, RayHit, SKIN, Tracer};
-
-/// A ray that has met more carriers than this is given up as lost.
-const LONGEST: u32 = 256;
+use crate::trace::{Finish, Hit, Ray, SKIN, Tracer};
 
 /// One way on from a carrier.
 #[derive(Clone, Copy, Debug)]
@@ -104,24 +102,6 @@ impl<'t> Glossy<'t> {
             Facets::Coat(coat) => [coat.lobe(o, i), 0.0].map(|value| (value, Tint::of(&coat.white))),
         }
     }
-}
-
-/// Where a ray ends once carriers have passed it on.
-#[derive(Clone, Copy, Debug)]
-pub enum Destination {
-    /// On a diffuse surface.
-    Diffuse {
-        /// Where.
-        hit: Hit,
-        /// Whether it came by way of carriers or coats.
-        carried: bool,
-    },
-    /// Outside of the scene, by this last ray.
-    Away(Ray),
-    /// In a carrier.
-    Absorbed,
-    /// Nowhere: it was given up after 256 carriers or coats.
-    Lost,
 }
 
 impl<'s> Tracer<'s> {
@@ -211,7 +191,7 @@ impl<'s> Tracer<'s> {
 
     fn passes_panes(&self, ray: &Ray, mut distance: f64, parts: &mut [f64]) -> bool {
         let mut ray = *ray;
-        for _ in 0..LONGEST {
+        for _ in 0..MOST_MET {
             let Some(hit) = self.closest_hit(&ray).filter(|hit| hit.distance < distance - SKIN) else {
                 return true;
             };
@@ -235,62 +215,6 @@ impl<'s> Tracer<'s> {
         let normal = self.normal(face, hit.side);
         let is_pane = matches!(self.scene.material_of(face).surface, Surface::Pane { .. });
         is_pane && before.direction.dot(normal) * after.direction.dot(normal) > 0.0
-    }
-
-    /// Follows a ray, by one way at every carrier and coat, until it meets a diffuse surface, gets under a
-    /// coat or ends elsewhere.
-    ///
-    /// `numbers(k)` gives random numbers, k counting from 0: four for every carrier, and sometimes four more.
-    /// `survives(colour, chance)` decides, by another of them, whether the ray goes on where that part of its
-    /// power does.
-    #[inline]
-    pub fn destination(
-        &self,
-        ray: &Ray,
-        numbers: impl FnMut(u32) -> [f64; 4],
-        survives: impl FnMut(Tint, f64) -> bool,
-    ) -> Destination {
-        match self.closest_hit(ray) {
-            None => Destination::Away(*ray),
-            Some(hit) if !self.may_go_on(hit.face) => Destination::Diffuse { hit, carried: false },
-            Some(hit) => self.follow(RayHit { ray: *ray, hit }, numbers, survives, |_, _, _| {}),
-        }
-    }
-
-    /// Follows a ray on from the carrier that it has met, as [`Tracer::destination`] does; calls
-    /// `met(before, hit, after)` with the ray before and after each carrier.
-    #[inline]
-    pub fn follow(
-        &self,
-        RayHit { mut ray, mut hit }: RayHit,
-        mut numbers: impl FnMut(u32) -> [f64; 4],
-        mut survives: impl FnMut(Tint, f64) -> bool,
-        mut met: impl FnMut(&Ray, &Hit, &Ray),
-    ) -> Destination {
-        let mut taken = 0;
-        let mut next_numbers = || {
-            taken += 1;
-            numbers(taken - 1)
-        };
-        for count in 0..LONGEST {
-            let [way, life, u, v] = next_numbers();
-            let Some(scattered) = self.scatter(&ray, &hit, [way, u, v], &mut next_numbers) else {
-                return Destination::Diffuse { hit, carried: count > 0 };
-            };
-            if scattered.colour.is_some_and(|colour| !survives(colour, life)) {
-                return Destination::Absorbed;
-            }
-            met(&ray, &hit, &scattered.ray);
-            ray = scattered.ray;
-            match self.closest_hit(&ray) {
-                None => return Destination::Away(ray),
-                Some(next) if !self.may_go_on(next.face) => {
-                    return Destination::Diffuse { hit: next, carried: true };
-                }
-                Some(next) => hit = next,
-            }
-        }
-        Destination::Lost
     }
 }
 

@@ -15,10 +15,14 @@
 //! and the line search follows the projected path. Alternate scaling of rows and columns would need thousands
 //! of passes in a flat box; Newton needs about ten steps of a few passes.
 
-use nalgebra::DVector;
+use std::borrow::Cow;
+use std::convert::Infallible;
+
+use nalgebra::{DMatrix, DVector, DVectorView};
 
 use super::storage::Storage;
 use crate::progress::{Cancelled, Progress};
+use crate::transport::conjugate_gradients::{System, conjugate_gradients};
 
 /// How far rows are from summing to their patch's area, as the largest relative difference.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -53,6 +57,9 @@ const MOST_PASSES: usize = 300;
 /// How many of these what is closed only to be closed once more may take: lamps, and then all others.
 const MOST_FOR_LAMPS: usize = 50;
 const MOST_FOR_OTHERS: usize = 100;
+
+/// Conjugate gradients of one Newton step.
+const MOST_STEPS: usize = 200;
 
 /// Within this distance of the bound, in ln D, a row that is pushed outwards moves onto it.
 const NEAR_BOUND: f64 = 0.01;
@@ -152,34 +159,12 @@ impl<'a> Problem<'a> {
             at.lack[i] > 0.0 && (near || sums[i] <= f64::EPSILON * self.target[i])
         };
         let held: Vec<bool> = (0..at.lack.len()).map(is_held).collect();
-        let free = |x: DVector<f64>| x.map_with_location(|i, _, x| if held[i] { 0.0 } else { x });
         let diagonal = sums.map_with_location(|i, _, sum| if held[i] { 1.0 } else { sum });
-        let (mut step, mut r) = (DVector::zeros(at.lack.len()), free(at.lack.clone()));
-        let mut z = r.component_div(&diagonal);
-        let mut p = z.clone();
-        let mut rz = r.dot(&z);
-        // As precise as the step is worth: the nearer the goal the more, but no more than the goal asks for.
-        let enough = rz * at.error.max(0.3 * CLOSED / at.error).clamp(1e-4, 0.1).powi(2);
-        for _ in 0..200 {
-            if rz <= enough || self.passes >= self.most {
-                break;
-            }
-            let h_p = diagonal.component_mul(&p) + free(self.scaled(&at.scale, &p));
-            let curvature = p.dot(&h_p);
-            if curvature <= f64::EPSILON * p.component_mul(&p).dot(&diagonal) {
-                // f falls along p without end, until rows are at the bound.
-                step.axpy(1.0 / p.amax(), &p, 1.0);
-                break;
-            }
-            let alpha = rz / curvature;
-            step.axpy(alpha, &p, 1.0);
-            r.axpy(-alpha, &h_p, 1.0);
-            z = r.component_div(&diagonal);
-            let next = r.dot(&z);
-            p = &z + &p * (next / rz);
-            rz = next;
-        }
-        step.map_with_location(|i, _, step| if held[i] { self.bound - at.log_scale[i] } else { step })
+        let lack = DMatrix::from_fn(at.lack.len(), 1, |i, _| if held[i] { 0.0 } else { at.lack[i] });
+        let mut system = Newton { problem: self, at, held, diagonal, steps: 0, first: None };
+        let Ok(step) = conjugate_gradients(&mut system, lack);
+        let held = system.held;
+        DVector::from_fn(held.len(), |i, _| if held[i] { self.bound - at.log_scale[i] } else { step[i] })
     }
 
     /// Goes from a first guess of D to the minimum of f but for a relative error of `enough`, or as near to
@@ -224,6 +209,53 @@ impl<'a> Problem<'a> {
             at.log_scale[i] + (self.target[i] / row).min(1.0).ln()
         });
         self.state(log_scale)
+    }
+}
+
+/// The system of a Newton step, H δ = lack, for rows that are not held.
+struct Newton<'a, 'p> {
+    problem: &'a mut Problem<'p>,
+    at: &'a State,
+    held: Vec<bool>,
+    /// The first term of H; 1 for rows that are held.
+    diagonal: DVector<f64>,
+    steps: usize,
+    /// rᵀz at the start.
+    first: Option<f64>,
+}
+
+impl System for Newton<'_, '_> {
+    type Error = Infallible;
+
+    fn times(&mut self, p: &DMatrix<f64>) -> DMatrix<f64> {
+        self.steps += 1;
+        let p = DVector::from_column_slice(p.as_slice());
+        let through = self.problem.scaled(&self.at.scale, &p);
+        DMatrix::from_fn(p.len(), 1, |i, _| {
+            self.diagonal[i] * p[i] + if self.held[i] { 0.0 } else { through[i] }
+        })
+    }
+
+    fn goes_on(&mut self, _r: &DMatrix<f64>, rz: &[f64]) -> Result<Vec<bool>, Infallible> {
+        // As precise as the step is worth: the nearer the goal the more, but no more than the goal asks for.
+        let error = self.at.error;
+        let precision = error.max(0.3 * CLOSED / error).clamp(1e-4, 0.1);
+        let enough = *self.first.get_or_insert(rz[0]) * precision.powi(2);
+        let may = self.steps < MOST_STEPS && self.problem.passes < self.problem.most;
+        Ok(vec![rz[0] > enough && may])
+    }
+
+    fn preconditioned<'r>(&self, r: &'r DMatrix<f64>) -> Cow<'r, DMatrix<f64>> {
+        Cow::Owned(r.map_with_location(|i, _, r| r / self.diagonal[i]))
+    }
+
+    fn least_curvature(&self, p: DVectorView<f64>) -> f64 {
+        f64::EPSILON * p.component_mul(&p).dot(&self.diagonal)
+    }
+
+    /// f falls along p without end, until rows are at the bound.
+    fn last_step(&self, p: DVectorView<f64>) -> f64 {
+        1.0 / p.amax()
     }
 }
 

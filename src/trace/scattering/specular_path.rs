@@ -1,0 +1,132 @@
+//! Specular path: a ray followed over mirrors, metals, glass and coats, by one way at each, to where it ends.
+
+use crate::trace::{Hit, Ray, RayHit, Tint, Tracer};
+
+/// A path that has met more specular surfaces than this is given up as lost.
+pub(super) const MOST_MET: u32 = 256;
+
+/// Where a ray ends once carriers have passed it on.
+#[derive(Clone, Copy, Debug)]
+pub enum Destination {
+    /// On a diffuse surface.
+    Diffuse {
+        /// Where.
+        hit: Hit,
+        /// Whether it came by way of carriers or coats.
+        carried: bool,
+    },
+    /// Outside of the scene, by this last ray.
+    Away(Ray),
+    /// In a carrier.
+    Absorbed,
+    /// Nowhere: it was given up after 256 carriers or coats.
+    Lost,
+}
+
+/// What decides where a path goes, and watches it go.
+pub(crate) trait SpecularPath {
+    /// Random numbers, uniform: four for every surface that is met, and sometimes four more.
+    fn numbers(&mut self) -> [f64; 4];
+
+    /// Called where a ray has met a surface.
+    fn meets(&mut self, _ray: &Ray, _hit: &Hit) {}
+
+    /// Whether the path goes on where this part of its power does, by another random number.
+    fn survives(&mut self, colour: Tint, chance: f64) -> bool;
+
+    /// Called with the ray before and after a surface that passes it on.
+    fn goes_on(&mut self, _before: &Ray, _hit: &Hit, _after: &Ray) {}
+}
+
+impl Tracer<'_> {
+    /// Follows a path on from the first carrier or coat that it has met, until it meets a diffuse surface,
+    /// gets under a coat or ends elsewhere.
+    #[inline]
+    pub(crate) fn follow_path(
+        &self,
+        RayHit { mut ray, mut hit }: RayHit,
+        path: &mut impl SpecularPath,
+    ) -> Destination {
+        for count in 0..MOST_MET {
+            path.meets(&ray, &hit);
+            let [way, life, u, v] = path.numbers();
+            let Some(scattered) = self.scatter(&ray, &hit, [way, u, v], || path.numbers()) else {
+                return Destination::Diffuse { hit, carried: count > 0 };
+            };
+            if scattered.colour.is_some_and(|colour| !path.survives(colour, life)) {
+                return Destination::Absorbed;
+            }
+            path.goes_on(&ray, &hit, &scattered.ray);
+            ray = scattered.ray;
+            match self.closest_hit(&ray) {
+                None => return Destination::Away(ray),
+                Some(next) if !self.may_go_on(next.face) => {
+                    return Destination::Diffuse { hit: next, carried: true };
+                }
+                Some(next) => hit = next,
+            }
+        }
+        Destination::Lost
+    }
+
+    /// Follows a ray as [`Tracer::follow_path`] does, from where it starts.
+    ///
+    /// `numbers(k)` gives the random numbers, k counting from 0; `survives` as
+    /// [`SpecularPath::survives`] does.
+    #[inline]
+    pub fn destination(
+        &self,
+        ray: &Ray,
+        numbers: impl FnMut(u32) -> [f64; 4],
+        survives: impl FnMut(Tint, f64) -> bool,
+    ) -> Destination {
+        match self.closest_hit(ray) {
+            None => Destination::Away(*ray),
+            Some(hit) if !self.may_go_on(hit.face) => Destination::Diffuse { hit, carried: false },
+            Some(hit) => self.follow(RayHit { ray: *ray, hit }, numbers, survives, |_, _, _| {}),
+        }
+    }
+
+    /// [`Tracer::follow_path`] by functions that do what is asked of a path; `met` is
+    /// [`SpecularPath::goes_on`].
+    #[inline]
+    pub fn follow(
+        &self,
+        met: RayHit,
+        numbers: impl FnMut(u32) -> [f64; 4],
+        survives: impl FnMut(Tint, f64) -> bool,
+        goes_on: impl FnMut(&Ray, &Hit, &Ray),
+    ) -> Destination {
+        self.follow_path(met, &mut ByFunctions { taken: 0, numbers, survives, goes_on })
+    }
+}
+
+struct ByFunctions<N, S, G> {
+    taken: u32,
+    numbers: N,
+    survives: S,
+    goes_on: G,
+}
+
+impl<N, S, G> SpecularPath for ByFunctions<N, S, G>
+where
+    N: FnMut(u32) -> [f64; 4],
+    S: FnMut(Tint, f64) -> bool,
+    G: FnMut(&Ray, &Hit, &Ray),
+{
+    #[inline]
+    fn numbers(&mut self) -> [f64; 4] {
+        self.taken += 1;
+        (self.numbers)(self.taken - 1)
+    }
+
+    #[inline]
+    fn survives(&mut self, colour: Tint, chance: f64) -> bool {
+        (self.survives)(colour, chance)
+    }
+
+    #[inline]
+    fn goes_on(&mut self, before: &Ray, hit: &Hit, after: &Ray) {
+        (self.goes_on)(before, hit, after);
+    }
+}
