@@ -12,7 +12,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, Occlusion, TraceOptions};
 
 use crate::args::{AccuracyArgs, RunArgs, SceneArgs};
-use crate::terminal::{Failure, Terminal};
+use crate::terminal::{Failure, Terminal, first_few};
 
 /// Form factors between faces, materials, objects or patches; needs no light
 ///
@@ -176,12 +176,10 @@ fn warn_of_doubts(objects: &[String], doubts: &[Option<FrontDoubt>], terminal: &
     for (reason, words) in reasons {
         let doubtful = objects.iter().zip(doubts).filter(|(_, doubt)| **doubt == Some(reason));
         let names: Vec<&str> = doubtful.map(|(name, _)| name.as_str()).collect();
-        if let Some(more) = names.len().checked_sub(1) {
-            let and_more =
-                if more >= NAMED { format!(" and {} more", names.len() - NAMED) } else { String::new() };
-            let named = names[..names.len().min(NAMED)].join(", ");
+        if !names.is_empty() {
+            let named = first_few(&names, NAMED);
             terminal.warn(format_args!(
-                "form factors are from both sides of {named}{and_more}: {words}, or choose --sides"
+                "form factors are from both sides of {named}: {words}, or choose --sides"
             ));
         }
     }

@@ -2,6 +2,8 @@
 
 use radiosity::scene::{Scene, Surface};
 
+use crate::terminal::first_few;
+
 /// So many names are written out.
 const NAMED: usize = 4;
 
@@ -30,10 +32,7 @@ pub fn line(scene: &Scene) -> String {
     let told = |(kind, names): &(&str, Vec<&str>)| match names.len() {
         0 => None,
         count if *kind == "diffuse" => Some(format!("{count} {kind}")),
-        count => {
-            let more = if count > NAMED { format!(" and {} more", count - NAMED) } else { String::new() };
-            Some(format!("{count} {kind} ({}{more})", names[..count.min(NAMED)].join(", ")))
-        }
+        count => Some(format!("{count} {kind} ({})", first_few(names, NAMED))),
     };
     kinds.iter().filter_map(told).collect::<Vec<_>>().join(", ")
 }

@@ -194,3 +194,12 @@ impl Observer for Terminal {
         ControlFlow::Continue(())
     }
 }
+
+/// The first few names of a list, and how many more there are: `a, b and 12 more`.
+pub fn first_few(names: &[&str], most: usize) -> String {
+    let named = names[..names.len().min(most)].join(", ");
+    match names.len().saturating_sub(most) {
+        0 => named,
+        more => format!("{named} and {more} more"),
+    }
+}

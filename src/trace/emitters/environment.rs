@@ -60,7 +60,7 @@ impl EnvironmentSampler {
     #[inline]
     pub fn pdf(&self, environment: &Environment, direction: DVec3) -> f64 {
         let place = environment.place(direction);
-        let row = (place.y as usize).min(self.rows.len() - 1);
+        let row = (place.y as usize).min(self.edges.len() - 1);
         let column = (place.x as usize).min(self.width - 1);
         let [high, low] = self.edges[row];
         let solid_angle = (high - low) * TAU / self.width as f64;

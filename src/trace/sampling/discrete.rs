@@ -29,11 +29,6 @@ impl Discrete {
         Self { sums: self.sums.iter().map(|sum| sum / total).collect() }
     }
 
-    /// Number of things to draw from.
-    pub fn len(&self) -> usize {
-        self.sums.len()
-    }
-
     /// Sum of all weights; 0 where there are none.
     #[inline]
     pub fn total(&self) -> f64 {

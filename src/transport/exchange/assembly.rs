@@ -2,7 +2,6 @@
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
-use sprs::CsMatI;
 
 use super::moments;
 use super::raw::{ESCAPED, Leaving, Outcome, Raw, Selection, has_carriers};
@@ -23,7 +22,7 @@ pub fn assemble(selection: &Selection, kind: StorageKind) -> Raw {
         (0..n).into_par_iter().map(|i| finder.found_by(i)).unzip();
     let storage = match kind.resolve(n, &parts) {
         StorageKind::Dense => Storage::Dense(dense(n, &parts)),
-        _ => Storage::Sparse(sparse(n, &parts)),
+        _ => sparse(n, &parts),
     };
     Raw { storage, leaving: Leaving::new(&leaving, has_carriers(patches)), is_lamp }
 }
@@ -126,18 +125,10 @@ fn dense(n: usize, parts: &[Vec<Part>]) -> DMatrix<f32> {
     m
 }
 
-fn sparse(n: usize, parts: &[Vec<Part>]) -> CsMatI<f32, u32, usize> {
+fn sparse(n: usize, parts: &[Vec<Part>]) -> Storage {
     let told = told_by_others(n, parts);
     let rows: Vec<Vec<Part>> = parts.par_iter().zip(told).map(|(own, told)| joined(own, &told)).collect();
-    let entries = rows.iter().map(Vec::len).sum();
-    let (mut starts, mut indices, mut values) =
-        (vec![0], Vec::with_capacity(entries), Vec::with_capacity(entries));
-    for row in &rows {
-        indices.extend(row.iter().map(|part| part.0));
-        values.extend(row.iter().map(|part| part.1));
-        starts.push(indices.len());
-    }
-    CsMatI::new((n, n), starts, indices, values)
+    Storage::sparse(&rows)
 }
 
 /// What others found of each patch; ascending because patches come in order.
@@ -191,7 +182,9 @@ mod tests {
     #[test]
     fn dense_and_sparse_hold_the_same_also_of_what_a_patch_exchanges_with_itself() {
         let parts = [vec![(0, 0.25), (1, 0.5)], vec![(0, 0.125), (2, 2.0)], vec![(2, 0.75)]];
-        let (dense, sparse) = (dense(3, &parts), sparse(3, &parts));
+        let (dense, Storage::Sparse(sparse)) = (dense(3, &parts), sparse(3, &parts)) else {
+            panic!("sparse")
+        };
         let expected = [[0.5, 0.625, 0.0], [0.625, 0.0, 2.0], [0.0, 2.0, 1.5]];
         for (i, row) in expected.iter().enumerate() {
             for (j, &value) in row.iter().enumerate() {

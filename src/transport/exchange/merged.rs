@@ -2,7 +2,6 @@
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use sprs::CsMatI;
 
 use super::storage::Storage;
 use super::{Ends, Exchange, ExchangeParts};
@@ -40,11 +39,8 @@ impl Exchange {
             DVector::from_iterator(groups, sums)
         };
         let entries: usize = rows.iter().map(Vec::len).sum();
-        let storage = if 2 * entries > groups * groups {
-            Storage::Dense(dense(&rows))
-        } else {
-            Storage::Sparse(sparse(&rows))
-        };
+        let storage =
+            if 2 * entries > groups * groups { Storage::Dense(dense(&rows)) } else { sparse(&rows) };
         let leaving = over(&|k| self.ends().leaving[k]);
         let in_carriers = self.ends().in_carriers.as_ref().map(|_| {
             let share = |part: DVector<f64>| {
@@ -72,14 +68,12 @@ fn dense(rows: &[Vec<(u32, f32)>]) -> DMatrix<f32> {
     m
 }
 
-fn sparse(rows: &[Vec<(u32, f32)>]) -> CsMatI<f32, u32, usize> {
+fn sparse(rows: &[Vec<(u32, f32)>]) -> Storage {
     let upper = |i: usize, j: u32| {
         let (i, j) = (i.min(j as usize), i.max(j as usize) as u32);
         rows[i].binary_search_by_key(&j, |entry| entry.0).map_or(0.0, |k| rows[i][k].1)
     };
-    let mut starts = vec![0];
-    rows.iter().for_each(|row| starts.push(starts[starts.len() - 1] + row.len()));
-    let indices = rows.iter().flatten().map(|entry| entry.0).collect();
-    let values = rows.iter().enumerate().flat_map(|(i, row)| row.iter().map(move |entry| upper(i, entry.0)));
-    CsMatI::new((rows.len(), rows.len()), starts, indices, values.collect())
+    let row = |i: usize| rows[i].iter().map(|&(j, _)| (j, upper(i, j))).collect();
+    let symmetric: Vec<Vec<(u32, f32)>> = (0..rows.len()).map(row).collect();
+    Storage::sparse(&symmetric)
 }

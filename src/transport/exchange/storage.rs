@@ -31,6 +31,19 @@ pub enum StorageKind {
 }
 
 impl Storage {
+    /// A sparse matrix from its rows: column numbers, ascending, and values.
+    pub fn sparse(rows: &[Vec<(u32, f32)>]) -> Self {
+        let entries = rows.iter().map(Vec::len).sum();
+        let (mut starts, mut indices, mut values) =
+            (vec![0], Vec::with_capacity(entries), Vec::with_capacity(entries));
+        for row in rows {
+            indices.extend(row.iter().map(|entry| entry.0));
+            values.extend(row.iter().map(|entry| entry.1));
+            starts.push(indices.len());
+        }
+        Self::Sparse(CsMatI::new((rows.len(), rows.len()), starts, indices, values))
+    }
+
     /// y ← T x.
     pub(crate) fn multiply(&self, x: &DMatrix<f64>, y: &mut DMatrix<f64>) {
         match self {
