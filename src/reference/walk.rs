@@ -374,6 +374,8 @@ struct SpecularWalk<'a, 't, 's, F> {
 }
 
 impl<F: FnMut(f64, &[f64], &[f64])> SpecularPath for SpecularWalk<'_, '_, '_, F> {
+    const MOST: u32 = 1000;
+
     #[inline]
     fn numbers(&mut self) -> [f64; 4] {
         self.numbers.next()

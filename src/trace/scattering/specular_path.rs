@@ -2,7 +2,7 @@
 
 use crate::trace::{Hit, Ray, RayHit, Tint, Tracer};
 
-/// A path that has met more specular surfaces than this is given up as lost.
+/// A ray that has met more specular surfaces than this is given up as lost.
 pub(super) const MOST_MET: u32 = 256;
 
 /// Where a ray ends once carriers have passed it on.
@@ -25,6 +25,9 @@ pub enum Destination {
 
 /// What decides where a path goes, and watches it go.
 pub(crate) trait SpecularPath {
+    /// It is given up as lost after so many surfaces.
+    const MOST: u32 = MOST_MET;
+
     /// Random numbers, uniform: four for every surface that is met, and sometimes four more.
     fn numbers(&mut self) -> [f64; 4];
 
@@ -42,12 +45,12 @@ impl Tracer<'_> {
     /// Follows a path on from the first carrier or coat that it has met, until it meets a diffuse surface,
     /// gets under a coat or ends elsewhere.
     #[inline]
-    pub(crate) fn follow_path(
+    pub(crate) fn follow_path<P: SpecularPath>(
         &self,
         RayHit { mut ray, mut hit }: RayHit,
-        path: &mut impl SpecularPath,
+        path: &mut P,
     ) -> Destination {
-        for count in 0..MOST_MET {
+        for count in 0..P::MOST {
             path.meets(&ray, &hit);
             let [way, life, u, v] = path.numbers();
             let Some(scattered) = self.scatter(&ray, &hit, [way, u, v], || path.numbers()) else {
