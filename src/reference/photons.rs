@@ -19,16 +19,13 @@ use crate::patches::Patches;
 use crate::progress::Cancelled;
 use crate::scene::Light;
 use crate::trace::sampling::{Stream, frame_around, uniform_disc};
-use crate::trace::{Frame, Ray, RayHit, Tracer};
+use crate::trace::{Frame, OUTSIDE, Ray, RayHit, Tracer};
 
 /// Photons of each light in a batch.
 const BATCH: u32 = 1024;
 
 /// The fewest batches of a round.
 const FEWEST: u64 = 16;
-
-/// Farther away than this, normalised, there is nothing of the scene.
-const OUTSIDE: f64 = 4.0;
 
 /// What photons brought so far.
 #[derive(Clone, Debug, Default)]

@@ -20,7 +20,8 @@ use super::lights::Lights;
 use crate::scene::{FaceTexture, Side};
 use crate::trace::sampling::{Sequence, power_heuristic};
 use crate::trace::{
-    Destination, Glossy, Hit, IN_PLANE, Interaction, Ray, RayHit, SpecularPath, Tint, Tracer,
+    Destination, Glossy, Hit, IN_PLANE, Interaction, MOST_CARRIERS_OF_PATHS, Ray, RayHit, SpecularPath, Tint,
+    Tracer,
 };
 
 /// Steps that every walk takes; from then on Russian roulette decides whether it goes on.
@@ -374,7 +375,7 @@ struct SpecularWalk<'a, 't, 's, F> {
 }
 
 impl<F: FnMut(f64, &[f64], &[f64])> SpecularPath for SpecularWalk<'_, '_, '_, F> {
-    const MOST: u32 = 1000;
+    const MOST: u32 = MOST_CARRIERS_OF_PATHS;
 
     #[inline]
     fn numbers(&mut self) -> [f64; 4] {

@@ -5,11 +5,10 @@ use glam::DVec3;
 use super::field::rgb_of;
 use super::highlights::{Highlights, Shine, Views};
 use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream};
-use crate::trace::{Hit, Ray, Tracer};
+use crate::trace::{Hit, MOST_CARRIERS_OF_BRANCHES, Ray, Tracer};
 
-/// Ways that bring less than this part of what is seen are left out, and so are all after so many carriers.
+/// Ways that bring less than this part of what is seen are left out; a pure number, chosen, not fitted.
 const LEAST: f64 = 1e-3;
-const DEEPEST: u32 = 32;
 
 /// Rays by which the first rough conductor in sight looks around; those seen in it take one each.
 const LOBE: u32 = 4;
@@ -107,7 +106,7 @@ impl<A: Fn(&Ray) -> DVec3, R: Fn(&Hit) -> Option<DVec3>> Look<'_, '_, A, R> {
     /// What comes by a ray that leaves a carrier; lamps have had their share of `shine` already.
     fn beyond(&mut self, ray: &Ray, way: Way, shine: Option<Shine>) -> DVec3 {
         let rays = if way.point.is_some() { f64::from(LOBE) } else { 1.0 };
-        if way.part.max_element() * rays < LEAST || way.depth == DEEPEST {
+        if way.part.max_element() * rays < LEAST || way.depth == MOST_CARRIERS_OF_BRANCHES {
             return DVec3::ZERO;
         }
         match self.tracer.closest_hit(ray) {

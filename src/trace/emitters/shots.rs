@@ -15,10 +15,7 @@ use super::sky::{SkyBeam, SkySampler};
 use crate::scene::triangle;
 use crate::scene::{FaceState, Light, Side};
 use crate::trace::sampling::{Discrete, frame_around, uniform_spherical_triangle, uniform_triangle};
-use crate::trace::{Hit, Ray, RayHit, Tracer};
-
-/// Farther away than this, normalised, there is nothing of the scene.
-const OUTSIDE: f64 = 4.0;
+use crate::trace::{Hit, OUTSIDE, Ray, RayHit, Tracer};
 
 /// Faces that fill less than this are drawn from by area, sr.
 const TINY: f64 = 1e-6;

@@ -13,11 +13,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::scene::{Scene, Side, Surface};
+use crate::trace::limits::MOST_CROSSED;
 use crate::trace::sampling::{Stream, cosine_hemisphere, frame_around};
 use crate::trace::{Ray, Tracer};
-
-/// Surfaces after which a look around is given up.
-const FARTHEST: u32 = 4096;
 
 /// A box around the solids of one material: its lowest and highest corner, normalised frame.
 #[derive(Clone, Copy, Debug)]
@@ -117,7 +115,7 @@ impl Tracer<'_> {
     /// The index of the first dielectric that a ray leaves without having entered it.
     fn medium_along(&self, mut ray: Ray) -> f64 {
         let mut entered = Vec::new();
-        for _ in 0..FARTHEST {
+        for _ in 0..MOST_CROSSED {
             let Some(hit) = self.closest_hit(&ray) else { return 1.0 };
             let number = self.scene.faces()[hit.face as usize].material;
             if let Surface::Dielectric { index, .. } = self.scene.materials()[number as usize].surface {

@@ -12,9 +12,9 @@ use glam::DVec3;
 use super::coat::Coat;
 use super::fresnel::fresnel;
 use super::gloss::Gloss;
-use super::specular_path::MOST_MET;
 use super::tint::Tint;
 use crate::scene::{Side, Surface};
+use crate::trace::limits::MOST_CARRIERS;
 use crate::trace::sampling::frame_around;
 use crate::trace::{Finish, Hit, Ray, SKIN, Tracer};
 
@@ -191,7 +191,7 @@ impl<'s> Tracer<'s> {
 
     fn passes_panes(&self, ray: &Ray, mut distance: f64, parts: &mut [f64]) -> bool {
         let mut ray = *ray;
-        for _ in 0..MOST_MET {
+        for _ in 0..MOST_CARRIERS {
             let Some(hit) = self.closest_hit(&ray).filter(|hit| hit.distance < distance - SKIN) else {
                 return true;
             };

@@ -1,9 +1,7 @@
 //! Specular path: a ray followed over mirrors, metals, glass and coats, by one way at each, to where it ends.
 
+use crate::trace::limits::MOST_CARRIERS;
 use crate::trace::{Hit, Ray, RayHit, Tint, Tracer};
-
-/// A ray that has met more specular surfaces than this is given up as lost.
-pub(super) const MOST_MET: u32 = 256;
 
 /// Where a ray ends once carriers have passed it on.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +24,7 @@ pub enum Destination {
 /// What decides where a path goes, and watches it go.
 pub(crate) trait SpecularPath {
     /// It is given up as lost after so many surfaces.
-    const MOST: u32 = MOST_MET;
+    const MOST: u32 = MOST_CARRIERS;
 
     /// Random numbers, uniform: four for every surface that is met, and sometimes four more.
     fn numbers(&mut self) -> [f64; 4];
