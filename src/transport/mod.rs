@@ -26,6 +26,7 @@ pub use operator::Transport;
 pub(crate) use plan::is_quickly_factored;
 pub use plan::{Cost, Effect, Forecast, Plan, Solving, StageCost, Switches, SwitchesError, Work};
 pub use reflection::Reflection;
+pub(crate) use rows::BATCHES;
 pub use rows::Shots;
 pub(crate) use sources::LampFlux;
 pub use sources::{CarriedLight, LightOptions, ReceiverRows, Sources};
@@ -38,7 +39,7 @@ use crate::progress::Cancelled;
 #[non_exhaustive]
 pub enum TransportError {
     /// The number of rays does not fit the random sequences.
-    #[error("{rays} rays per patch: choose between 8 and {most}")]
+    #[error("{rays} rays per patch: choose between {BATCHES} and {most}")]
     Rays {
         /// The wanted number.
         rays: u32,

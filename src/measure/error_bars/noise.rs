@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::measure::MeasureError;
 use crate::patches::{Basis, Patches};
 use crate::solve::{DirectOptions, direct};
-use crate::transport::{FormFactors, Merged, Reflection, Sources, Spread, Transport};
+use crate::transport::{BATCHES, FormFactors, Merged, Reflection, Sources, Spread, Transport};
 
 /// About how many clusters of patches; and the fewest patches in one.
 const CLUSTERS: f64 = 128.0;
@@ -68,12 +68,9 @@ pub(in crate::measure) fn at_most(rays: u32, basis: Basis) -> f64 {
     const ALWAYS: f64 = 1.05;
     match basis {
         Basis::Constant => ALWAYS,
-        Basis::Linear => ALWAYS + 6.0 * BATCHES / f64::from(rays.max(1)),
+        Basis::Linear => ALWAYS + 6.0 * f64::from(BATCHES) / f64::from(rays.max(1)),
     }
 }
-
-/// Batches of rays.
-const BATCHES: f64 = 8.0;
 
 /// The variance of one value of the mean of batches whose own mean is zero.
 pub(super) fn variance(batches: &[DMatrix<f64>], at: (usize, usize)) -> f64 {

@@ -14,8 +14,8 @@ use crate::scene::{Feature, Material, Scene, Side};
 use crate::trace::{Lamps, Tracer};
 use crate::transport::exchange::{MANY, StorageKind};
 use crate::transport::form_factors::TraceOptions;
-use crate::transport::rows::{BATCHES, RayCount, Shots};
-use crate::transport::sources::LightOptions;
+use crate::transport::rows::{BATCHES, RAYS_PER_SHOT, RayCount, Shots};
+use crate::transport::sources::{LightOptions, RAYS_PER_LIGHT_RAY};
 
 /// What something costs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -355,7 +355,7 @@ impl<'a> Job<'a> {
         let turned = rays * self.density.landing * turned;
         let pairs = patches * f64::from(self.lamp_rays);
         let has_caustics = trace.caustics == Shots::Shot && self.tracer.has_carriers() && self.has_lamps;
-        let shots = if has_caustics { rays / 4.0 } else { 0.0 };
+        let shots = if has_caustics { rays / f64::from(RAYS_PER_SHOT) } else { 0.0 };
         let on_the_way = 1.0 + self.density.carried * CARRIERS_MET;
         RayCosts {
             traced: rays,
@@ -421,11 +421,14 @@ impl<'a> Job<'a> {
         let &Self { patches, ray, shadow_ray, .. } = self;
         let (scene, light) = (self.tracer.scene(), self.work.light);
         let look = f64::from(light.rays);
-        let to_lights = patches * scene.lights().count() as f64 * (look / 4.0).ceil();
+        let to_lights =
+            patches * scene.lights().count() as f64 * (look / f64::from(RAYS_PER_LIGHT_RAY)).ceil();
         let to_sky = if scene.sky().is_some() { patches * look } else { 0.0 };
         // By way of carriers: shots for all patches, and as many rays of theirs into a sky.
         let throws = self.tracer.has_carriers() && to_lights + to_sky > 0.0;
-        let thrown = |kind: bool| if throws && kind { patches * (look / 4.0).ceil() } else { 0.0 };
+        let thrown = |kind: bool| {
+            if throws && kind { patches * (look / f64::from(RAYS_PER_SHOT)).ceil() } else { 0.0 }
+        };
         let (shots, looks) = (thrown(light.caustics == Shots::Shot), thrown(scene.sky().is_some()));
         let on_the_way = looks * (1.0 + self.density.carried * CARRIERS_MET);
         LightCosts {

@@ -12,15 +12,12 @@ use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 
 use super::landing::{Spot, end_of};
-use super::recipe::{BATCHES, Setting};
+use super::recipe::{BATCHES, RAYS_PER_SHOT, Setting};
 use super::tones::Survivors;
 use crate::patches::Basis;
 use crate::progress::{Cancelled, Progress};
 use crate::trace::sampling;
 use crate::trace::sampling::Stream;
-
-/// One ray from lamps for so many from patches.
-const RAYS_PER_SHOT: u64 = 4;
 
 /// A ray from a lamp that reached a patch by way of carriers.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -68,7 +65,7 @@ impl Caustics {
             return Ok(Self::default());
         }
         progress.at("trace", 0.0)?;
-        let all = u64::from(recipe.count.rays) * patches.len() as u64 / RAYS_PER_SHOT;
+        let all = u64::from(recipe.count.rays) * patches.len() as u64 / u64::from(RAYS_PER_SHOT);
         let per_batch = all / lamps.len() as u64 / u64::from(BATCHES);
         let per_batch = per_batch.clamp(1, u64::from(sampling::SEQUENCE_END)) as u32;
         let shoot = |&lamp: &u32| {

@@ -15,6 +15,7 @@ pub(super) use caustics::{Caustic, Caustics};
 pub(super) use lamp_columns::{LampShare, Look};
 pub(super) use landing::{End, Landing, Spot};
 pub(super) use rays::{Row, Rows, origins};
+pub(crate) use recipe::BATCHES;
 pub use recipe::Shots;
-pub(super) use recipe::{BATCHES, RayCount, Recipe, RowOptions};
+pub(super) use recipe::{RAYS_PER_SHOT, RayCount, Recipe, RowOptions};
 pub(super) use tones::Tones;

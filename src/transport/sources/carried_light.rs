@@ -22,16 +22,13 @@ use crate::progress::Cancelled;
 use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream, uniform_triangle};
 use crate::trace::{Destination, Lights, RayHit, SkySampler, Targets, Tint, Tracer};
 use crate::transport::exchange::Mass;
-use crate::transport::rows::Shots;
+use crate::transport::rows::{RAYS_PER_SHOT, Shots};
 
 /// Patches between two reports of progress.
 const CHUNK: usize = 4096;
 
 /// Shots that one task takes.
 const TASK: u32 = 1024;
-
-/// Rays of the options for each of the sky's rays of a patch, and for each shot.
-const RAYS_PER_SHOT: u32 = 4;
 
 /// Light by way of carriers.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use super::exchange::Mass;
 use super::operator::Transport;
-use super::rows::Shots;
+use super::rows::{BATCHES, Shots};
 use crate::patches::{Basis, Facet, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::triangle;
@@ -161,8 +161,12 @@ impl From<DMatrix<f64>> for Sources {
     }
 }
 
-/// Parts of the rays by which their noise is told.
-pub(super) const PARTS: usize = 8;
+/// Parts of the rays by which their noise is told: as many as rows have batches, since error bars add the two
+/// batch by batch.
+pub(super) const PARTS: usize = BATCHES as usize;
+
+/// Rays of the options for each one from a patch to a light; a number. Chosen, not fitted.
+pub(in crate::transport) const RAYS_PER_LIGHT_RAY: u32 = 4;
 
 /// What rays towards one light find in one channel, part by part.
 #[derive(Clone)]
@@ -284,7 +288,7 @@ impl Look<'_> {
 
     /// Rays of a patch to each light.
     fn rays_to_light(&self) -> u32 {
-        self.rays.div_ceil(4)
+        self.rays.div_ceil(RAYS_PER_LIGHT_RAY)
     }
 
     /// What rays from a patch to a light find, each weighted by what it would bring if nothing stood in its
