@@ -102,11 +102,12 @@
 //! # The way through the house
 //!
 //! Data flows one way, and a module imports only from those to its left:
-//! [`progress`] → [`scene`] → [`trace`] → [`patches`] → [`transport`] → [`solve`] → [`reference`] → [`measure`] →
-//! [`render`] → [`output`].
+//! [`parallel`] → [`progress`] → [`scene`] → [`trace`] → [`patches`] → [`transport`] → [`solve`] →
+//! [`reference`] → [`measure`] → [`render`] → [`output`].
 
 pub mod measure;
 pub mod output;
+pub mod parallel;
 pub mod patches;
 pub mod progress;
 pub mod reference;

@@ -9,6 +9,7 @@ use radiosity::output::{
     self, BouncePictures, ComparisonOptions, ComparisonSummary, DirectSummary, OrderSummary, OrdersPlot,
     Outputs,
 };
+use radiosity::parallel;
 use radiosity::patches::Patches;
 use radiosity::progress::Progress;
 use radiosity::reference::{Budget, PathOptions, PathTracer};
@@ -196,7 +197,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         scene: scene.name().to_owned(),
         version: env!("CARGO_PKG_VERSION"),
         seed: args.run.seed,
-        threads: rayon::current_num_threads(),
+        threads: parallel::threads(),
         patches: patches.len(),
         rays: factors.rays(),
         basis: problem.basis().name(),

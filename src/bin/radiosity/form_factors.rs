@@ -6,6 +6,7 @@ use clap::ValueEnum;
 use clap::builder::TypedValueParser;
 use radiosity::measure::{FrontDoubt, front_doubts};
 use radiosity::output::{self, FactorEntry, FactorFormat, FactorTable};
+use radiosity::parallel;
 use radiosity::patches::{GroupBy, Groups, Patches, Reach, Tessellation};
 use radiosity::scene::{Scene, Side};
 use radiosity::trace::Tracer;
@@ -259,7 +260,7 @@ fn report(
             "scene": scene.name(),
             "version": env!("CARGO_PKG_VERSION"),
             "seed": args.run.seed,
-            "threads": rayon::current_num_threads(),
+            "threads": parallel::threads(),
             "patches": table.patches().len(),
             "rays": rays,
             "by": groups.by().name(),

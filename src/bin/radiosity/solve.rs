@@ -4,6 +4,7 @@ use std::iter;
 
 use radiosity::measure::{self, Answer, Energy, ErrorBars, Undershoot, Verdict};
 use radiosity::output::{self, Outputs, Photometry, Quantity, SeriesSummary, Summary};
+use radiosity::parallel;
 use radiosity::patches::Patches;
 use radiosity::progress::Progress;
 use radiosity::render::{self, Picture, RenderOptions, Shading, Surfaces};
@@ -117,7 +118,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         scene: scene.name().to_owned(),
         version: env!("CARGO_PKG_VERSION"),
         seed: args.run.seed,
-        threads: rayon::current_num_threads(),
+        threads: parallel::threads(),
         patches: patches.len(),
         rays: factors.rays(),
         channels: scene.channels(),

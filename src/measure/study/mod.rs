@@ -28,6 +28,7 @@ pub use row::{Reading, StudyRow, StudySolver};
 pub use trend::{Slope, Trend};
 
 use super::{MeasureError, Verdict};
+use crate::parallel;
 use crate::patches::{Basis, PatchError, PatchSize, Patches, Tessellation};
 use crate::progress::{Observer, Progress};
 use crate::scene::Scene;
@@ -149,7 +150,7 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
     pub fn key(&self) -> u64 {
         let mut hash = Hasher(Xxh3::new());
         let StudyOptions { seed, basis, .. } = self.options;
-        let threads = rayon::current_num_threads();
+        let threads = parallel::threads();
         let version = env!("CARGO_PKG_VERSION");
         // Writing to a hash does not fail.
         let _ = write!(hash, "{version} {seed} {} {threads} {:?}", basis.name(), self.tracer.scene());

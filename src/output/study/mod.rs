@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::Stage;
 use crate::measure::{Conclusions, Grid, LeftOut, Study, StudyRow};
+use crate::parallel;
 
 pub use table::{read_study, write_study_reference, write_study_table};
 pub use words::write_study_report;
@@ -53,7 +54,7 @@ impl StudySummary {
             scene: scene.name().to_owned(),
             version: env!("CARGO_PKG_VERSION"),
             seed: study.options().seed,
-            threads: rayon::current_num_threads(),
+            threads: parallel::threads(),
             basis: study.options().basis.name(),
             grid: study.grid().clone(),
             reference_paths: reference.paths,

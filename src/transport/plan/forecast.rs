@@ -8,6 +8,7 @@
 use serde::Serialize;
 
 use super::density::Density;
+use crate::parallel;
 use crate::patches::{Basis, Outlook, PatchError, Tessellation};
 use crate::scene::triangle;
 use crate::scene::{Feature, Material, Scene, Side};
@@ -318,7 +319,7 @@ impl<'a> Job<'a> {
             number,
             faces: faces as f64,
             channels,
-            threads: rayon::current_num_threads(),
+            threads: parallel::threads(),
             per_patch,
             lamp_rays,
             has_lamps: !lamps.is_empty(),

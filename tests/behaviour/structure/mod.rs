@@ -11,7 +11,8 @@ use house::House;
 use tokens::{Token, tokens};
 
 /// The way through the house, left to right.
-const ORDER: [&str; 10] = [
+const ORDER: [&str; 11] = [
+    "parallel",
     "progress",
     "scene",
     "trace",
