@@ -137,7 +137,7 @@ type Means = Vec<Option<[f64; 3]>>;
 const NONE: u32 = u32::MAX;
 
 /// What a slot takes while sides are looked for: its patch, and what it sees.
-const BYTES_PER_SLOT: u64 = 40;
+pub(crate) const BYTES_PER_SLOT: u64 = 40;
 
 /// The most slots of a cut: one bit of a 32-bit slot number is left for other purposes.
 pub(crate) const MOST_SLOTS: u64 = 1 << 31;

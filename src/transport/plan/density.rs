@@ -9,17 +9,13 @@
 
 use glam::DVec3;
 
+use super::constants::{DENSITY_CARRIERS, DENSITY_COLUMNS, DENSITY_ROWS, FADING_HALVINGS, MOST_FADING};
 use crate::patches::{Outlook, Stretch};
 use crate::scene::Side;
 use crate::scene::triangle;
 use crate::trace::sampling::{Discrete, Stream, uniform_triangle};
 use crate::trace::{IN_PLANE, Lamps, Tracer};
 use crate::transport::rows::RayCount;
-
-/// Points from which pairs are looked at, and to which.
-const ROWS: u32 = 192;
-const COLUMNS: u32 = 768;
-const CARRIERS: u32 = 128;
 
 /// What a patch exchanges with others, on the average over patches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -59,9 +55,9 @@ impl Density {
         let whole = |face: usize| Stretch { face, corners: *tracer.corners(face), cells: 1.0 };
         let faces = (0..outlook.carriers.len()).map(whole);
         let carriers = Places::new(tracer, &outlook.carriers, lamps, faces);
-        let rows = places.draw(ROWS, Stream::ForecastRows, [1.0, 0.0]);
-        let columns = places.draw(COLUMNS, Stream::ForecastColumns, [0.5; 2]);
-        let carriers = carriers.draw(CARRIERS, Stream::ForecastCarriers, [0.0, 1.0]);
+        let rows = places.draw(DENSITY_ROWS, Stream::ForecastRows, [1.0, 0.0]);
+        let columns = places.draw(DENSITY_COLUMNS, Stream::ForecastColumns, [0.5; 2]);
+        let carriers = carriers.draw(DENSITY_CARRIERS, Stream::ForecastCarriers, [0.0, 1.0]);
         let lamp_patches: f64 = lamps.faces().map(|face| outlook.patches_of[face as usize][0]).sum();
         let found_by_pairs = 1.0 - (-f64::from(count.lamp_rays) / lamp_patches.max(1.0)).exp();
         let mut sums = Self::default();
@@ -112,7 +108,7 @@ impl Density {
                 sums.reflected += column.weight * f * column.reflectance;
             }
         }
-        let mean = |sum: f64| sum / f64::from(ROWS);
+        let mean = |sum: f64| sum / f64::from(DENSITY_ROWS);
         let Self { found, entries, pair_bytes, landing, carried, reflected } = sums;
         Self {
             found: mean(found),
@@ -128,11 +124,11 @@ impl Density {
 /// The κ at which parts [f, r] sum to no more than 1 as f exp(−κr).
 fn fading(parts: &[[f64; 2]]) -> f64 {
     let sum = |fade: f64| parts.iter().map(|[f, r]| f * (-fade * r).exp()).sum::<f64>();
-    let (mut low, mut high) = (0.0, 64.0);
+    let (mut low, mut high) = (0.0, MOST_FADING);
     if sum(low) <= 1.0 {
         return 0.0;
     }
-    for _ in 0..16 {
+    for _ in 0..FADING_HALVINGS {
         let middle = 0.5 * (low + high);
         if sum(middle) > 1.0 { low = middle } else { high = middle }
     }

@@ -1,15 +1,21 @@
 //! Forecast: what a run will cost in rays, seconds and bytes, told before a ray is traced.
 //!
 //! Numbers of patches and rays follow from the options, how full the matrix will be from [`Density`]. Seconds
-//! are rays × (a + b log₂ faces), and for everything that goes through memory, bytes × passes; the constants
-//! were fitted on two cores of an AMD EPYC (Zen) and are divided by the number of threads where work is
-//! shared. On another machine they are off by a factor that is about the same for all stages.
+//! are rays × (a + b log₂ faces), and for everything that goes through memory, bytes × passes; the
+//! [constants](super::constants) were fitted on one machine and are divided by the number of threads where
+//! work is shared. On another machine they are off by a factor that is about the same for all stages.
 
 use serde::Serialize;
 
+use super::constants::{
+    BALANCING, BALANCING_EXACT, BYTE, CARRIERS_MET, CG_BOUND, CG_PER_ORDER, CG_VECTORS, ERRORS, FACE_BUILT,
+    FACE_READ, FACTORED_PRODUCTS, FACTORING, LANDING, LEAST_TOLERANCE, LOOKS, MEMORY_THREADS, OTHER_CHANNELS,
+    PAIR, PASSED_ON, PATCH_WRITTEN, PIXEL, PIXEL_BYTES, PIXEL_CARRIED, PIXEL_RAYS, QUICK, RAY,
+    SERIES_VECTORS, SHADOW_RAY,
+};
 use super::density::Density;
 use crate::parallel;
-use crate::patches::{Basis, Outlook, PatchError, Tessellation};
+use crate::patches::{BYTES_PER_SLOT, Basis, Outlook, PatchError, Tessellation};
 use crate::scene::triangle;
 use crate::scene::{Feature, Material, Scene, Side};
 use crate::trace::{Lamps, Tracer};
@@ -108,43 +114,9 @@ pub struct Parts {
     pub receivers: Cost,
 }
 
-/// Seconds of one thread for a ray through a scene of so many faces, nanoseconds: a, and b for each doubling.
-const RAY: [f64; 2] = [30.0, 47.0];
-/// The same for a ray that only asks whether something is hidden.
-const SHADOW_RAY: [f64; 2] = [40.0, 13.0];
-/// Further surfaces that a ray meets once it has met a mirror or glass.
-const CARRIERS_MET: f64 = 1.2;
-/// Nanoseconds of one thread to sort a landing into the matrix.
-const LANDING: f64 = 55.0;
-/// Nanoseconds of all threads for a byte of the matrix in one product, of one channel and of several.
-const BYTE: [f64; 2] = [0.055, 0.075];
-/// Products that balancing takes.
-const BALANCING: f64 = 45.0;
-const BALANCING_EXACT: f64 = 6.0;
-/// Nanoseconds of one thread for the exact exchange area of two patches.
-const PAIR: f64 = 80.0;
-/// What error bars take, as a part of balancing.
-const ERRORS: f64 = 0.6;
-/// Multiplications and additions a second of one thread while factoring.
-const FACTORING: f64 = 5e10;
-/// Nanoseconds to read a face, to build it in, and to write a patch.
-const FACE_READ: f64 = 1100.0;
-const FACE_BUILT: f64 = 430.0;
-const PATCH_WRITTEN: f64 = 5000.0;
-/// Nanoseconds of one thread for a pixel, its rays, and how many more of them mirrors and glass make where
-/// all see them.
-const PIXEL: f64 = 400.0;
-const PIXEL_RAYS: f64 = 2.5;
-const PIXEL_CARRIED: f64 = 20.0;
-/// Rays by which a slot looks around.
-const LOOKS: f64 = 20.0;
-/// What more than one channel adds, as a part of solving.
-const OTHER_CHANNELS: f64 = 0.3;
-
 /// Whether this many factors of N unknowns fit into `memory` and take no more than a second or two.
 pub(crate) fn is_quickly_factored(n: usize, factors: usize, memory: u64) -> bool {
-    // n³/3 multiplications and additions a factor; two cores do some 10¹¹ of these a second.
-    const QUICK: f64 = 1.2e11;
+    // n³/3 multiplications and additions a factor.
     let (n, factors) = (n as f64, factors as f64);
     factors * n.powi(3) / 3.0 < QUICK && factors * 8.0 * n * n <= memory as f64
 }
@@ -340,7 +312,7 @@ impl<'a> Job<'a> {
     /// Finding the sides that light reaches.
     fn cutting(&self) -> Cost {
         let around = self.outlook.slots * LOOKS;
-        cost(around, self.shared(around * self.ray), self.outlook.slots * 40.0)
+        cost(around, self.shared(around * self.ray), self.outlook.slots * BYTES_PER_SLOT as f64)
     }
 
     /// Rows of rays, and what lies on their way.
@@ -384,7 +356,8 @@ impl<'a> Job<'a> {
             _ => matrix_bytes(self.patches, self.work.trace, &self.density),
         };
         let byte = BYTE[usize::from(self.channels > 1)];
-        let pass = 1e-9 * byte * bytes * 2.0 / self.threads.clamp(1, 2) as f64;
+        let threads = self.threads.clamp(1, MEMORY_THREADS) as f64;
+        let pass = 1e-9 * byte * bytes * MEMORY_THREADS as f64 / threads;
         let balancing = if self.is_exact { BALANCING_EXACT } else { BALANCING };
         let landing = rays.traced * self.density.landing * LANDING;
         MatrixCosts { pass, balance: cost(0.0, self.shared(landing) + balancing * pass, bytes) }
@@ -405,15 +378,17 @@ impl<'a> Job<'a> {
         let (factor, solve) = if factored {
             let operations = factors as f64 * (unknowns as f64).powi(3) / 3.0;
             let bytes = 8.0 * factors as f64 * (unknowns as f64).powi(2);
-            (cost(0.0, operations / FACTORING / self.threads as f64, bytes), cost(0.0, 4.0 * pass, 0.0))
+            (
+                cost(0.0, operations / FACTORING / self.threads as f64, bytes),
+                cost(0.0, FACTORED_PRODUCTS * pass, 0.0),
+            )
         } else {
-            // Conjugate gradients need about half as many passes, and bounding the error a few more.
-            (Cost::default(), cost(0.0, (0.5 * orders + 8.0) * pass, 5.0 * self.vector))
+            (Cost::default(), cost(0.0, (CG_PER_ORDER * orders + CG_BOUND) * pass, CG_VECTORS * self.vector))
         };
         SolvingCosts {
             factor,
             solve: sum(&[solve, cost(0.0, ERRORS * matrix.balance.seconds, 0.0)]),
-            series: cost(0.0, orders * pass, 3.0 * self.vector),
+            series: cost(0.0, orders * pass, SERIES_VECTORS * self.vector),
         }
     }
 
@@ -438,7 +413,8 @@ impl<'a> Job<'a> {
             carried: cost(
                 shots + looks,
                 self.shared(ray * (shots * (1.0 + CARRIERS_MET) + on_the_way)),
-                9.0 * self.vector * f64::from(u8::from(throws)),
+                // The whole, and every batch.
+                f64::from(1 + BATCHES) * self.vector * f64::from(u8::from(throws)),
             ),
         }
     }
@@ -461,7 +437,7 @@ impl<'a> Job<'a> {
         let [coated, _] = coated_shares(self.tracer);
         let pixels = self.work.pixels as f64;
         let seen = pixels * PIXEL_RAYS * (1.0 + (self.density.carried + coated) * PIXEL_CARRIED);
-        cost(0.0, self.shared(pixels * PIXEL + seen * self.ray), pixels * 24.0)
+        cost(0.0, self.shared(pixels * PIXEL + seen * self.ray), pixels * PIXEL_BYTES)
     }
 }
 
@@ -504,8 +480,8 @@ fn matrix_bytes(patches: f64, options: &TraceOptions, density: &Density) -> f64 
 
 /// Orders after which the series of a scene that reflects so much has this residual.
 fn orders_for(reflected: f64, tolerance: f64) -> f64 {
-    let reflected = reflected.clamp(1e-3, 0.999);
-    (tolerance.max(1e-15).ln() / reflected.ln()).ceil().max(1.0)
+    let reflected = reflected.clamp(PASSED_ON[0], PASSED_ON[1]);
+    (tolerance.max(LEAST_TOLERANCE).ln() / reflected.ln()).ceil().max(1.0)
 }
 
 /// Number of channels whose reflectances or transmittances differ from those of all before: each is factored

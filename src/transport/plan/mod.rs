@@ -1,5 +1,6 @@
 //! Plan: which effects a scene calls for, which of them are simulated, and what each will cost.
 
+mod constants;
 mod density;
 mod forecast;
 mod switches;
