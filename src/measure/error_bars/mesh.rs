@@ -12,6 +12,10 @@ use std::collections::HashSet;
 
 use nalgebra::DMatrix;
 
+use super::constants::{
+    ALIKE, CHANGE_TOLERANCE, FLAT_NORMALS, FOCUSED, MERGED, MERGED_ENOUGH, MERGED_LINEAR, MESH_AT_MOST,
+    MESH_AT_MOST_LINEAR, NORMAL_STEPS, REMAINS_LINEAR,
+};
 use crate::measure::MeasureError;
 use crate::patches::{Basis, Clusters, Patches};
 use crate::progress::Progress;
@@ -19,38 +23,23 @@ use crate::scene::triangle;
 use crate::solve::roughly;
 use crate::transport::{FormFactors, Reflection, Sources, Transport};
 
-/// How many patches are taken together for coarser elements: with these a face of five by five becomes one of
-/// three by three. Linear elements are held against constant ones on the same patches.
+/// How many patches are taken together for coarser elements.
 fn together(basis: Basis) -> f64 {
     match basis {
-        Basis::Constant => 5.0,
-        Basis::Linear => 1.0,
+        Basis::Constant => MERGED,
+        Basis::Linear => MERGED_LINEAR,
     }
 }
 
 /// What is left as error of the change that elements coarser by so many patches each make, as a root mean
 /// square over faces. Errors of constant elements in proportion to the edge that are not alike in sign leave
-/// 1/√(1 + merged) of it; alike, up to 1. Linear elements err about a third as much as constant ones.
+/// 1/√(1 + merged) of it; alike, up to 1.
 fn remains(basis: Basis, merged: f64) -> f64 {
     match basis {
         Basis::Constant => ALIKE / (1.0 + merged).sqrt(),
-        Basis::Linear => 0.4,
+        Basis::Linear => REMAINS_LINEAR,
     }
 }
-
-/// Merged by so many or more, they tell what they can.
-const ENOUGH: f64 = 3.0;
-
-/// How much more errors on two cuts are alike in sign than chance would have it; measured.
-const ALIKE: f64 = 1.23;
-
-/// How many times less is told of the rest where lamps shine by way of curved glass or mirrors: they light
-/// spots smaller than patches, and most what they find again by the same way. Measured with other glass than
-/// tests have.
-const FOCUSED: f64 = 2.0;
-
-/// Surfaces that face more ways than this are curved: a box of mirrors has six.
-const FLAT: usize = 12;
 
 /// How much merging could tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,19 +53,17 @@ pub(in crate::measure) struct Insight {
 
 impl Insight {
     /// How many times more than estimated the mesh error may be, in nineteen of twenty cases. Where faces are
-    /// cut but little, few patches can be merged, and little is told of the rest. Fitted to rooms that no
-    /// test looks at.
+    /// cut but little, few patches can be merged, and little is told of the rest; where lamps shine by way of
+    /// curved glass or mirrors, they light spots smaller than patches, and most what they find again by the
+    /// same way.
     pub fn at_most(&self) -> f64 {
         let usually = match self.basis {
-            Basis::Constant => 1.4 * (ENOUGH / self.merged).max(1.0),
-            Basis::Linear => 1.6,
+            Basis::Constant => MESH_AT_MOST * (MERGED_ENOUGH / self.merged).max(1.0),
+            Basis::Linear => MESH_AT_MOST_LINEAR,
         };
         if self.is_focused { FOCUSED * usually } else { usually }
     }
 }
-
-/// How exactly the change is solved for, as a part of it.
-const ROUGHLY: f64 = 0.01;
 
 /// What is known of the mesh error.
 pub(super) struct MeshError {
@@ -148,7 +135,7 @@ fn varied(
             return Ok(straight);
         }
         let reflected = k.reflect(&patches.average_by(clusters, &straight));
-        let more = k.irradiance(&roughly(k, &reflected, ROUGHLY, Progress::default())?);
+        let more = k.irradiance(&roughly(k, &reflected, CHANGE_TOLERANCE, Progress::default())?);
         Ok(straight + patches.spread_over(clusters, &more))
     };
     Ok([with_reflections(first)?, with_reflections(second)?])
@@ -157,11 +144,10 @@ fn varied(
 /// Whether surfaces that pass light on undiffused face more than a few ways.
 fn has_curved_carriers(patches: &Patches) -> bool {
     let scene = patches.scene();
-    let ways = (0..scene.faces().len()).filter(|&face| scene.passes_on(face)).map(|face| {
-        // To about a degree.
-        (triangle::normal(&scene.corners(face)) * 60.0).round().as_ivec3()
-    });
-    ways.collect::<HashSet<_>>().len() > FLAT
+    let ways = (0..scene.faces().len())
+        .filter(|&face| scene.passes_on(face))
+        .map(|face| (triangle::normal(&scene.corners(face)) * NORMAL_STEPS).round().as_ivec3());
+    ways.collect::<HashSet<_>>().len() > FLAT_NORMALS
 }
 
 /// How much more irradiance clusters have here than in the scene solved with constant light on clusters, whose
@@ -180,7 +166,7 @@ fn changed_by(
         None => {
             let known = mean(radiance);
             let lacking = e + k.reflect(&k.irradiance(&known)) - &known;
-            k.irradiance(&(known + roughly(k, &lacking, ROUGHLY, Progress::default())?))
+            k.irradiance(&(known + roughly(k, &lacking, CHANGE_TOLERANCE, Progress::default())?))
         }
         Some(order) => {
             let nothing = DMatrix::zeros(k.len(), k.channels());

@@ -8,6 +8,7 @@
 //! Of a series that ended early, order k is held against order k: what later orders add is no error of the
 //! mesh, nor noise, but truncation, a part of its own.
 
+mod constants;
 mod mesh;
 mod noise;
 mod slack;
@@ -20,23 +21,12 @@ use super::MeasureError;
 use crate::patches::{FaceRow, Patches};
 use crate::progress::Progress;
 use crate::solve::{Certainty, Problem, Solution};
+use constants::{COMMON, LEAST_OF_CHANGE, NOISE_IN_CHANGE, ROUNDING, STUDENT};
 pub(super) use mesh::Insight;
 use mesh::MeshError;
 use noise::Noise;
 pub(super) use noise::at_most as noise_at_most;
 pub(super) use slack::at_most as slack_at_most;
-
-/// So much of the scene's relative mesh error every patch and face has: its own may vanish by chance.
-const COMMON: f64 = 0.7;
-
-/// What part of the noise shows in the change that merging patches makes; measured.
-const IN_CHANGE: f64 = 0.25;
-
-/// Student's t for 95 % of one side and 7 degrees of freedom.
-const STUDENT: f64 = 1.895;
-
-/// The relative rounding of stored exchange areas.
-const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
 
 /// One standard error of irradiance by patch and by face, and the budget of what it is made from.
 #[derive(Clone, Debug)]
@@ -142,8 +132,8 @@ impl ErrorBars {
         let by_noise = by_rays.hypot(by_lamps);
         // Some of the noise is in the change that merging makes.
         let change_by_merging = faces.relative(|f, c| change[(f, c)].powi(2));
-        let less = change_by_merging.powi(2) - (IN_CHANGE * by_noise).powi(2);
-        let by_merging = less.max(0.25 * change_by_merging.powi(2)).sqrt();
+        let less = change_by_merging.powi(2) - (NOISE_IN_CHANGE * by_noise).powi(2);
+        let by_merging = less.max(LEAST_OF_CHANGE * change_by_merging.powi(2)).sqrt();
         let by_mesh = by_merging.hypot(faces.relative(|f, c| squared(&varied, (f, c))));
         let left_out = left_out(patches, &report.missing);
         let by_solver = faces.relative(|_, c| left_out[c].powi(2));

@@ -7,19 +7,11 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use super::constants::{CLUSTERS, EVENNESS, FEWEST_PER_CLUSTER, NOISE_AT_MOST, NOISE_AT_MOST_LINEAR};
 use crate::measure::MeasureError;
 use crate::patches::{Basis, Patches};
 use crate::solve::{DirectOptions, direct};
 use crate::transport::{BATCHES, FormFactors, Merged, Reflection, Sources, Spread, Transport};
-
-/// About how many clusters of patches; and the fewest patches in one.
-const CLUSTERS: f64 = 128.0;
-const FEWEST: f64 = 8.0;
-
-/// Rays towards lights without area are points of one sequence, which lie more evenly than those of eight
-/// independent ones would. By so much their parts differ more than they should; measured with skies and
-/// spots.
-const EVENNESS: f64 = 1.5;
 
 /// Samples of the noise in irradiance, by what it comes from; their mean over batches is zero.
 pub(super) struct Noise {
@@ -39,7 +31,7 @@ impl Noise {
         sources: &Sources,
         radiance: &DMatrix<f64>,
     ) -> Result<Self, MeasureError> {
-        let clusters = patches.clusters((patches.len() as f64 / CLUSTERS).max(FEWEST), None);
+        let clusters = patches.clusters((patches.len() as f64 / CLUSTERS).max(FEWEST_PER_CLUSTER), None);
         let merged = by_patch.merged(&clusters.of_patch, clusters.count);
         let coarse = Merged { clusters: &clusters, factors: &merged };
         let mut spread = factors.spread(patches, radiance, by_patch, coarse)?;
@@ -62,13 +54,11 @@ impl Noise {
 }
 
 /// How many times more than the batches tell the noise of so many rays a patch may be, in nineteen of twenty
-/// cases: of linear elements, three to a patch, what few rays make of them shows in all batches alike. Fitted
-/// to Cornell boxes and rooms that no test looks at.
+/// cases: of linear elements, three to a patch, what few rays make of them shows in all batches alike.
 pub(in crate::measure) fn at_most(rays: u32, basis: Basis) -> f64 {
-    const ALWAYS: f64 = 1.05;
     match basis {
-        Basis::Constant => ALWAYS,
-        Basis::Linear => ALWAYS + 6.0 * f64::from(BATCHES) / f64::from(rays.max(1)),
+        Basis::Constant => NOISE_AT_MOST,
+        Basis::Linear => NOISE_AT_MOST + NOISE_AT_MOST_LINEAR * f64::from(BATCHES) / f64::from(rays.max(1)),
     }
 }
 

@@ -7,25 +7,17 @@
 
 use nalgebra::DMatrix;
 
+use super::constants::{CHANGE_TOLERANCE, CLOSED, SEES_NOTHING, SLACK_AT_MOST};
 use crate::measure::MeasureError;
 use crate::patches::Patches;
 use crate::progress::Progress;
 use crate::solve::roughly;
 use crate::transport::{FormFactors, Reflection, Transport};
 
-/// Where all rows together lack less than this share, nothing is missing.
-const NOTHING: f64 = 1e-9;
-
-/// A row that lacks all but this share sees nothing.
-const ALL: f64 = 1e-12;
-
-/// How exactly the reflected part is solved for.
-const ROUGHLY: f64 = 0.01;
-
 /// What the error by slack does not exceed where it is estimated so large: where the missing light lies is
 /// not known.
 pub(in crate::measure) fn at_most(estimated: f64) -> f64 {
-    2.0 * estimated
+    SLACK_AT_MOST * estimated
 }
 
 /// The irradiance per patch (n × c, W·m⁻²) that may be missing; `None` where rows close. `by_patch` are the
@@ -37,7 +29,7 @@ pub(super) fn missing(
     [radiance, irradiance]: [&DMatrix<f64>; 2],
 ) -> Result<Option<DMatrix<f64>>, MeasureError> {
     let lacks =
-        |exchange: &crate::transport::Exchange| exchange.ends().slack.sum() > NOTHING * exchange.sums().sum();
+        |exchange: &crate::transport::Exchange| exchange.ends().slack.sum() > CLOSED * exchange.sums().sum();
     if !by_patch.exchanges().iter().any(lacks) {
         return Ok(None);
     }
@@ -49,7 +41,7 @@ pub(super) fn missing(
     let (n, channels) = radiance.shape();
     let t = DMatrix::from_fn(n, channels, |i, c| {
         let share = share(i, c);
-        if share < 1.0 - ALL { share / (1.0 - share) } else { 0.0 }
+        if share < 1.0 - SEES_NOTHING { share / (1.0 - share) } else { 0.0 }
     });
     let areas = DMatrix::from_column_slice(n, 1, patches.normalised_areas());
     let typical = |c: usize| {
@@ -57,8 +49,9 @@ pub(super) fn missing(
         (squares / areas.sum()).sqrt()
     };
     let typical: Vec<f64> = (0..channels).map(typical).collect();
-    let blind = DMatrix::from_fn(n, channels, |i, c| if share(i, c) < 1.0 - ALL { 0.0 } else { typical[c] });
+    let blind =
+        DMatrix::from_fn(n, channels, |i, c| if share(i, c) < 1.0 - SEES_NOTHING { 0.0 } else { typical[c] });
     let direct = t.component_mul(&k.irradiance(radiance)) + k.irradiance(&t.component_mul(radiance)) + blind;
-    let reflected = roughly(&k, &k.reflect(&direct), ROUGHLY, Progress::default())?;
+    let reflected = roughly(&k, &k.reflect(&direct), CHANGE_TOLERANCE, Progress::default())?;
     Ok(Some(direct + k.irradiance(&reflected)))
 }
