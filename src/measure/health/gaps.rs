@@ -4,16 +4,10 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::constants::{CRACK, INTO_FACE, ON_EDGE, ON_EDGE_OF_LENGTH, WITHIN_EDGE};
 use super::edges::{Edges, Use};
 use super::{Finding, Grade};
 use crate::trace::Tracer;
-
-/// The widest crack, relative to its edge.
-const CRACK: f64 = 0.01;
-
-/// How far from an edge a vertex may lie and still be on it, normalised lengths: coordinates are often
-/// written with six digits.
-const ON_EDGE: f64 = 2e-6;
 
 /// How wide the widest crack is, metres.
 pub(super) fn cracks(edges: &Edges, tracer: &Tracer) -> Finding {
@@ -125,13 +119,13 @@ impl<'e> OpenEdges<'e> {
         let (ends, _) = self.edges[edge];
         let [a, b] = ends.map(|v| self.point(v));
         let along = b - a;
-        let off = ON_EDGE.min(1e-3 * along.length());
+        let off = ON_EDGE.min(ON_EDGE_OF_LENGTH * along.length());
         let (low, high) = (a.min(b) - off, a.max(b) + off);
         let lies_within = |&v: &u32| {
             let p = self.point(v) - a;
             let t = p.dot(along) / along.length_squared();
             let from_ends = t.min(1.0 - t) * along.length();
-            !ends.contains(&v) && from_ends > 2.0 * off && p.distance(along * t) <= off
+            !ends.contains(&v) && from_ends > WITHIN_EDGE * off && p.distance(along * t) <= off
         };
         self.inside(low, high).filter(lies_within).collect()
     }
@@ -159,6 +153,6 @@ impl<'e> OpenEdges<'e> {
         let ([a, b], only) = self.edges[edge];
         let along = (self.point(b) - self.point(a)).normalize_or_zero();
         let across = (self.point(only.apex) - self.point(a)).reject_from_normalized(along);
-        gap.dot(across) <= 0.5 * gap.length() * across.length()
+        gap.dot(across) <= INTO_FACE * gap.length() * across.length()
     }
 }

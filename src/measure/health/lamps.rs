@@ -8,20 +8,13 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::constants::{LAMP_RAYS, LAMP_RAYS_PER_SIDE, NEAR_LAMP};
 use super::edges::{Edges, Groups};
 use super::{Finding, Grade, shape};
 use crate::scene::Side;
 use crate::scene::triangle;
 use crate::trace::sampling::Stream;
 use crate::trace::{Ray, Tracer, sampling};
-
-/// Rays in all, and the fewest and most from a side of a face.
-const BUDGET: usize = 1 << 15;
-const PER_SIDE: std::ops::Range<usize> = 8..1024;
-
-/// A lamp whose fronts see only what is nearer than this, relative to the root of its area, may be the wrong
-/// way round.
-const NEAR: f64 = 0.05;
 
 /// What rays from one side of a lamp met.
 #[derive(Clone, Copy, Debug, Default)]
@@ -104,7 +97,7 @@ fn all(edges: &Edges, tracer: &Tracer, seed: u64) -> Vec<Lamp> {
         lamp.area += triangle::area(tracer.corners(face));
     }
     let faces: usize = lamps.values().map(|lamp| lamp.faces.len()).sum();
-    let rays = (BUDGET / faces.max(1)).clamp(PER_SIDE.start, PER_SIDE.end) as u32;
+    let rays = (LAMP_RAYS / faces.max(1)).clamp(LAMP_RAYS_PER_SIDE.start, LAMP_RAYS_PER_SIDE.end) as u32;
     let look = |mut lamp: Lamp| {
         lamp.views = Side::BOTH.map(|side| lamp.view(tracer, side, rays, seed));
         lamp
@@ -126,7 +119,7 @@ fn torn(edges: &Edges) -> Vec<usize> {
 
 impl Lamp {
     fn view(&self, tracer: &Tracer, side: Side, rays: u32, seed: u64) -> View {
-        let near = NEAR * self.area.sqrt();
+        let near = NEAR_LAMP * self.area.sqrt();
         let seen = self.faces.par_iter().flat_map_iter(|&face| {
             let bare = move |ray: &Ray| !tracer.is_covered(face as u32, side, ray.origin);
             rays_from(tracer, face, side, rays, seed).filter(bare).filter_map(|ray| tracer.closest_hit(&ray))

@@ -7,6 +7,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::constants::{LEAK_BOUNCES, MEASURED, NARROW, OPEN, OVERSIGHT, TILT_AXES, TILTS};
 use super::{Finding, Grade, shape};
 use crate::patches::{Facet, Patches};
 use crate::scene::Side;
@@ -14,25 +15,8 @@ use crate::scene::triangle;
 use crate::trace::sampling::{Discrete, SEQUENCE_END, Stream};
 use crate::trace::{Destination, Ray, Tint, Tracer, sampling};
 
-/// Paths of light that are followed, and after how many bounces they are given up.
+/// Paths of light that are followed: all points of a sequence.
 const PATHS: u32 = SEQUENCE_END;
-const BOUNCES: u32 = 64;
-
-/// From this share on a scene is open.
-const OPEN: f64 = 0.1;
-
-/// Below this share a narrow gap is an oversight.
-const OVERSIGHT: f64 = 0.05;
-
-/// A gap is narrow up to this width, relative to the scene's extent.
-const NARROW: f64 = 0.01;
-
-/// Escaping rays whose openings are measured.
-const MEASURED: usize = 2000;
-
-/// Axes along which an escaping ray is tilted, and the tangents of the angles, each twice the one before.
-const AXES: usize = 4;
-const TILTS: [f64; 9] = [1.0 / 256.0, 1.0 / 128.0, 1.0 / 64.0, 1.0 / 32.0, 1.0 / 16.0, 0.125, 0.25, 0.5, 1.0];
 
 /// Which share of the light of lamps escapes.
 ///
@@ -124,7 +108,7 @@ fn last_ray(tracer: &Tracer, start: Facet, seed: u64, path: u32) -> Option<Ray> 
     if tracer.is_covered_towards((ray.origin, start.face), start.normal) {
         return None;
     }
-    for bounce in 1..=BOUNCES {
+    for bounce in 1..=LEAK_BOUNCES {
         let numbers = |k: u32| sequence(bounce).dimensions(path, k + 1);
         let survives = |colour: Tint, chance: f64| chance < colour.mean();
         let hit = match tracer.destination(&ray, numbers, survives) {
@@ -177,13 +161,13 @@ struct Opening {
 
 fn opening(tracer: &Tracer, ray: &Ray) -> Opening {
     let along = |axis: usize| {
-        let (sine, cosine) = (std::f64::consts::PI * axis as f64 / AXES as f64).sin_cos();
+        let (sine, cosine) = (std::f64::consts::PI * axis as f64 / TILT_AXES as f64).sin_cos();
         let ways = [1.0, -1.0].map(|sign| edge_of(tracer, ray, [sign * cosine, sign * sine]));
         let half = |way: usize| ways[way].map_or(f64::INFINITY, |edge| edge.0);
         Opening { width: half(0) + half(1), beside: ways.map(|edge| edge.map(|edge| edge.1)) }
     };
     let widest = Opening { width: f64::INFINITY, beside: [None; 2] };
-    (0..AXES).map(along).fold(widest, |best, next| if next.width < best.width { next } else { best })
+    (0..TILT_AXES).map(along).fold(widest, |best, next| if next.width < best.width { next } else { best })
 }
 
 /// How far beside a ray, in direction [x, y] across it, it would first be stopped, and by which face.

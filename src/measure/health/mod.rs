@@ -6,6 +6,7 @@
 //! where they are the topic.
 
 mod closed;
+mod constants;
 mod edges;
 mod gaps;
 mod lamps;

@@ -4,21 +4,12 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 
+use super::constants::{ILL_CONDITIONED, ROUNDING, TOLERABLE, WELL_CONDITIONED};
 use super::{Finding, Grade};
 use crate::patches::{Patches, Slot};
 use crate::progress::Progress;
 use crate::solve::{Amplification, Problem, SolveError};
 use crate::transport::{Exchange, FormFactors, Transport, TransportError};
-
-/// What rounding may do to a sum of shares.
-const ROUNDING: f64 = 1e-9;
-
-/// Energy that may go missing before results show it.
-const TOLERABLE: f64 = 0.01;
-
-/// Condition numbers up to which six digits of a solution, and any, are safe.
-const WELL: f64 = 1e3;
-const ILL: f64 = 1e6;
 
 /// The health of form factors and of the operator that they make with the scene's own reflectances.
 ///
@@ -132,7 +123,7 @@ fn norm(k: &Transport) -> Finding {
 fn condition(k: &Transport, patches: &Patches, progress: Progress) -> Result<Finding, SolveError> {
     let value = Amplification::new(k, progress)?.condition();
     let finding = Finding::good("condition", value, Some("at most"));
-    if value < WELL {
+    if value < WELL_CONDITIONED {
         return Ok(finding);
     }
     let (brightest, passed_on) = brightest(patches);
@@ -140,7 +131,7 @@ fn condition(k: &Transport, patches: &Patches, progress: Progress) -> Result<Fin
         "light goes on almost for ever, and small errors of reflectances become large ones of the answer; lower the reflectance of \
          {brightest} ({passed_on}), which few real surfaces have"
     );
-    let verdict = if value < ILL { Grade::Fair } else { Grade::Bad };
+    let verdict = if value < ILL_CONDITIONED { Grade::Fair } else { Grade::Bad };
     Ok(finding.but(verdict, [], remedy))
 }
 

@@ -5,23 +5,12 @@ use std::fmt::Write;
 
 use glam::DVec3;
 
+use super::constants::{DRAWN_PER_LOOK, LOOKS, MOST_CROSSINGS, RECEIVER_POINTS, ROOM};
 use super::edges::Edges;
 use super::{Grade, lamps};
 use crate::scene::{Light, Scene, Side};
 use crate::trace::sampling::{Sequence, Stream};
 use crate::trace::{Ray, Tracer, sampling};
-
-/// Directions in which a place looks around.
-const LOOKS: u32 = 64;
-
-/// Points of a receiver that look around.
-const POINTS: usize = 16;
-
-/// Faces that a line is followed through.
-const MOST_CROSSINGS: usize = 1000;
-
-/// What is as large as this, as a share of the scene's longest side, holds the scene and is no solid in it.
-const ROOM: f64 = 0.5;
 
 /// What a place sees.
 enum Surroundings {
@@ -56,12 +45,13 @@ pub fn odd_placement(tracer: &Tracer, seed: u64) -> Vec<String> {
             Light::Spot { direction, .. } | Light::Ies { direction, .. } => Some(*direction),
             Light::Point { .. } | Light::Sun { .. } => None,
         };
-        let all = axis.into_iter().chain((0..8 * LOOKS).map(|k| anywhere(sequence, k))).filter(sends);
+        let all =
+            axis.into_iter().chain((0..DRAWN_PER_LOOK * LOOKS).map(|k| anywhere(sequence, k))).filter(sends);
         odd.extend(said(&format!("light {number}"), look(tracer, position, all.take(LOOKS as usize))));
     }
     for (number, receiver) in (0..).zip(scene.receivers()) {
         let frame = sampling::frame_around(receiver.normal());
-        let step = receiver.len().div_ceil(POINTS).max(1);
+        let step = receiver.len().div_ceil(RECEIVER_POINTS).max(1);
         let points: Vec<DVec3> = receiver.points().step_by(step).collect();
         let sequence = Stream::Placement.sequence(seed, number, 1);
         let ahead = |k: u32| {

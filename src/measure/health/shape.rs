@@ -2,17 +2,11 @@
 
 use std::collections::HashSet;
 
+use super::constants::{NEEDLE, PLAUSIBLE, SLIVER};
 use super::{Finding, Grade};
 use crate::scene::triangle;
 use crate::scene::{FaceState, Scene};
 use crate::trace::Tracer;
-
-/// Scenes outside these extents, metres, are likely given in another unit.
-const PLAUSIBLE: std::ops::Range<f64> = 0.02..300.0;
-
-/// Longest edge over height: what meshing tools avoid, and what arithmetic notices.
-const SLIVER: f64 = 1e3;
-const NEEDLE: f64 = 1e6;
 
 /// The longest side of the box around the scene, metres.
 pub(super) fn size(tracer: &Tracer) -> Finding {

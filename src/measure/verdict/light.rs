@@ -4,17 +4,12 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use super::{Answer, Cause, DOUBTFUL, Energy, Level, Reason, places};
+use super::constants::{DARK, DOUBTFUL, STANDARD_ERRORS};
+use super::{Answer, Cause, Energy, Level, Reason, places};
 use crate::measure::ErrorPart;
 use crate::scene::triangle;
 use crate::scene::{Scene, Side};
 use crate::trace::OverlapKind;
-
-/// A patch of less irradiance than this part of the root mean square is dark; its error is relative to that.
-const DARK: f64 = 1e-3;
-
-/// Noise of so many standard errors is no fault: exceeded by chance in one of 15 000 answers.
-const STANDARD_ERRORS: f64 = 4.0;
 
 /// NaN and infinite numbers anywhere are bad; an infinite bound alone is doubtful.
 pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {

@@ -12,6 +12,7 @@
 //! What should be exact but for rounding (energy terms, sums of rows) is doubtful from 1e-6 on: stored
 //! exchange areas are rounded to 6e-8. Iterative solvers are allowed ten times their tolerance there.
 
+mod constants;
 mod light;
 mod places;
 mod rows;
@@ -23,16 +24,7 @@ use crate::patches::Patches;
 use crate::scene::{Feature, Scene};
 use crate::solve::{Problem, Solution};
 use crate::trace::Tracer;
-
-/// The share of the power from which on an answer is doubtful, and bad.
-const DOUBTFUL: f64 = 1e-3;
-const BAD: f64 = 0.05;
-
-/// What rounding may do to a sum that is exact otherwise, relative.
-const EXACT: f64 = 1e-6;
-
-/// Iterative solvers may leave so many times their tolerance.
-const TOLERANCES: f64 = 10.0;
+use constants::{BAD, EXACT, TOLERANCES};
 
 /// How far an answer can be relied on; the later, the less.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]

@@ -6,20 +6,11 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use super::constants::{DOUBTFUL, EMPTY, EXACT, MOST_ANGLES, NOTABLE};
 use super::places::Places;
-use super::{Answer, Cause, DOUBTFUL, EXACT, Level, Reason};
+use super::{Answer, Cause, Level, Reason};
 use crate::measure::health::ClosedSurfaces;
 use crate::transport::Exchange;
-
-/// The most solid angles that are summed to find what is inside closed surfaces; patches with the most
-/// escaping power come first.
-const MOST_ANGLES: usize = 250_000;
-
-/// Faces that lack more than this part of what they exchange are told, however little power that is.
-const NOTABLE: f64 = 1e-3;
-
-/// A row that lacks more than this part of its area has neither exchange nor escape.
-const EMPTY: f64 = 1.0 - 1e-9;
 
 /// What was found out about rows.
 #[derive(Default)]
