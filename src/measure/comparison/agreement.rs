@@ -11,34 +11,15 @@
 //!
 //! The worst of the four decides, and all that is said follows from this one decision.
 
+use super::constants::{
+    ALWAYS_OF_MEAN, ALWAYS_OF_ONE, COARSER, ERRORS_OF_ONE, LEVEL, MOST_BY_MESH, MOST_OF_MEAN, REMAINS,
+    REMAINS_OF_ONE, SURE,
+};
 use super::difference;
 use super::difference::{Difference, Place};
 use super::mesh_error::MeshError;
 use crate::patches::Patches;
 use crate::reference::PathTraced;
-
-/// The chance of calling a right answer different, all four looks together.
-const LEVEL: f64 = 1e-3;
-
-/// How many times its change the mesh error may be.
-const REMAINS: f64 = 3.0;
-
-/// The same for single patches, whose change is noisy...
-const REMAINS_OF_ONE: f64 = 4.0;
-
-/// ...and may vanish by chance: so much of what patches change by on average is always allowed.
-const ALWAYS_OF_ONE: f64 = 6.0;
-
-/// So much of it for the mean over all patches.
-const ALWAYS_OF_MEAN: f64 = 0.1;
-
-/// The mesh explains no more than these parts of root mean squares and of the mean: an estimate that allows
-/// more comes from a mesh that is too coarse for it.
-const MOST_BY_MESH: f64 = 0.2;
-const MOST_OF_MEAN: f64 = 0.05;
-
-/// Standard errors that are taken off a difference before it is held against the mesh.
-const SURE: f64 = 3.0;
 
 /// How an answer compares with its reference; the later, the worse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -139,12 +120,12 @@ impl Change {
             faces.iter().map(|row| row.area * row.mean.iter().map(|x| x * x).sum::<f64>()).sum();
         let means = [finer, coarser].map(|change| (sum(&|i, c| change[(i, c)]) / total).abs());
         let single =
-            |i: usize| (0..channels).map(|c| finer[(i, c)].abs() + 0.5 * coarser[(i, c)].abs()).collect();
+            |i: usize| (0..channels).map(|c| finer[(i, c)].abs() + COARSER * coarser[(i, c)].abs()).collect();
         let all_area = sum(&|_, _| 1.0);
         Self {
             by_patch: (sum(&|i, c| finer[(i, c)].powi(2)) / squares).sqrt(),
             by_face: (face_squares / squares).sqrt(),
-            mean: means[0].max(0.5 * means[1]),
+            mean: means[0].max(COARSER * means[1]),
             single: (0..n).map(single).collect(),
             typical: (squares / all_area.max(f64::MIN_POSITIVE)).sqrt(),
         }
@@ -210,12 +191,11 @@ fn worst_patch(places: &[Place], by_patch: &Difference, change: &Change, looks: 
         let error = if error > 0.0 { error } else { typical };
         let z = if error > 0.0 { (value - mean) / error } else { 0.0 };
         let chance = difference::chance_of_one(z, places[place].degrees_of_freedom, values);
-        // The noise of a single patch has long tails: two of its standard errors count as one.
         AgreementTest::of(
             Look {
                 what: "worst patch",
                 found: relative(value - mean),
-                uncertainty: relative(2.0 * error),
+                uncertainty: relative(ERRORS_OF_ONE * error),
                 chance,
                 mesh: relative(mesh),
             },

@@ -4,6 +4,7 @@
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
+use super::constants::{ROUNDING, TRUSTED_FREEDOM};
 use crate::patches::Patches;
 use crate::reference::PathTraced;
 
@@ -158,7 +159,7 @@ fn worst(places: &[Place]) -> Worst {
             let z = match if error > 0.0 { error } else { typical } {
                 error if error > 0.0 => difference / error,
                 // Nothing is known to be noisy: any difference is one.
-                _ if difference.abs() > 1e-9 * mean.abs() => f64::INFINITY.copysign(difference),
+                _ if difference.abs() > ROUNDING * mean.abs() => f64::INFINITY.copysign(difference),
                 _ => 0.0,
             };
             if z.abs() > worst.z.abs() {
@@ -180,13 +181,11 @@ pub(super) fn typical_error(places: &[Place]) -> f64 {
 /// may have longer tails than the normal distribution, and a standard error from few batches may be far too
 /// small.
 fn spread(places: &[Place], excess: f64) -> f64 {
-    /// From so many degrees of freedom on, standard errors are trusted more and more.
-    const FEW: f64 = 20.0;
     let mean = excess / places.iter().map(|place| place.area).sum::<f64>().max(f64::MIN_POSITIVE);
     let variance = |place: &Place| {
         let here: f64 =
             place.channels.iter().map(|&[value, mean, error]| (value - mean).powi(2) - error * error).sum();
-        (place.area * (here - mean)).powi(2) * (FEW / place.degrees_of_freedom.max(1.0)).min(1.0)
+        (place.area * (here - mean)).powi(2) * (TRUSTED_FREEDOM / place.degrees_of_freedom.max(1.0)).min(1.0)
     };
     places.iter().map(variance).sum()
 }

@@ -1,5 +1,6 @@
 //! Faces: how far an answer is from one that another program found for the same faces.
 
+use super::constants::TOO_NOISY;
 use crate::patches::FaceRow;
 use crate::reference::ReferenceRow;
 
@@ -26,7 +27,7 @@ impl RelativeRms {
                 continue;
             };
             for (c, (mean, error)) in row.mean.iter().zip(&row.standard_error).enumerate() {
-                if *error < 0.2 * mean {
+                if *error < TOO_NOISY * mean {
                     let value = face.mean[c.min(face.mean.len() - 1)];
                     difference += face.area * (value - mean).powi(2);
                     noise += face.area * error * error;

@@ -6,6 +6,7 @@
 
 use nalgebra::DMatrix;
 
+use super::constants::{FEWEST_RAYS, TYPICAL_AREA};
 use crate::measure::MeasureError;
 use crate::patches::{PatchError, PatchSize, Patches, Tessellation};
 use crate::progress::Progress;
@@ -69,9 +70,6 @@ impl MeshError {
     }
 }
 
-/// Fewer rays than these would be mostly noise.
-const FEWEST_RAYS: u32 = 64;
-
 fn irradiance(
     tracer: &Tracer,
     patches: &Patches,
@@ -88,7 +86,7 @@ fn irradiance(
 fn typical_edge(patches: &Patches) -> f64 {
     let mut areas: Vec<f64> = (0..patches.len()).map(|i| patches.area(i)).collect();
     areas.sort_by(f64::total_cmp);
-    let quarter = 0.25 * areas.iter().sum::<f64>();
+    let quarter = TYPICAL_AREA * areas.iter().sum::<f64>();
     let mut sum = 0.0;
     let middle = areas.iter().find(|&&area| {
         sum += area;

@@ -1,6 +1,7 @@
 //! Comparison: the matrix answer and every order of its series against the path-traced reference.
 
 mod agreement;
+mod constants;
 mod difference;
 mod faces;
 mod mesh_error;
