@@ -2,13 +2,14 @@
 
 use serde::Serialize;
 
-use super::front::{SAME_TIME, front};
+use super::constants::{
+    ACCURACIES, AS_GOOD, FEWEST_VALUES, LEAST_LOG_TIME, NO_GAIN, ORDER_ENOUGH, ORDER_LACKS,
+    ORDER_LACKS_ERRORS, SAME_TIME, TRUNCATION_APART,
+};
+use super::front::front;
 use super::reference::StudyReference;
 use super::row::{Reading, StudyRow, StudySolver};
 use super::trend::{Slope, Trend};
-
-/// Errors that people ask for.
-const ACCURACIES: [f64; 9] = [0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005];
 
 /// What the rows of a study say.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -147,7 +148,7 @@ fn trend(rows: &[StudyRow], other: fn(&StudyRow) -> usize, value: fn(&StudyRow) 
     others.into_iter().rev().find_map(|fixed| {
         let mut along: Vec<usize> = cg.iter().copied().filter(|&k| other(&rows[k]) == fixed).collect();
         along.sort_by_key(|&k| value(&rows[k]));
-        (along.len() >= 3).then(|| Trend::new(rows, along, fixed, value))
+        (along.len() >= FEWEST_VALUES).then(|| Trend::new(rows, along, fixed, value))
     })
 }
 
@@ -163,7 +164,7 @@ fn order(rows: &[StudyRow], converged: usize) -> Option<OrderTrend> {
     let added: Vec<[f64; 2]> = along
         .iter()
         .map(|&(order, k)| (order, rows[k].error))
-        .take_while(|&(_, error)| error > 2.0 * floor)
+        .take_while(|&(_, error)| error > TRUNCATION_APART * floor)
         .map(|(order, error)| [order as f64, (error * error - floor * floor).sqrt()])
         .collect();
     let factor = match (added.first(), added.last()) {
@@ -172,7 +173,8 @@ fn order(rows: &[StudyRow], converged: usize) -> Option<OrderTrend> {
         }
         _ => None,
     };
-    let near = |k: usize| rows[k].error <= 1.1 * floor + rows[k].error_se.max(rows[converged].error_se);
+    let near =
+        |k: usize| rows[k].error <= ORDER_ENOUGH * floor + rows[k].error_se.max(rows[converged].error_se);
     let settled = along.iter().rposition(|&(_, k)| !near(k)).map_or(0, |far| far + 1);
     let enough = along.get(settled).map(|&(order, _)| order);
     (!along.is_empty()).then(|| OrderTrend {
@@ -210,8 +212,6 @@ fn price_of_paths(rows: &[StudyRow]) -> Option<f64> {
 
 /// Which knob gives most for its time: by how many per cent a per cent more time lowers the error.
 fn turn(rows: &[StudyRow], from: usize) -> Option<Turn> {
-    /// Gains nearer than this are as good as each other.
-    const AS_GOOD: f64 = 1.5;
     let cell = rows[from].cell()?;
     let cg = |accept: &dyn Fn(&StudyRow) -> bool| {
         rows.iter()
@@ -219,18 +219,20 @@ fn turn(rows: &[StudyRow], from: usize) -> Option<Turn> {
             .min_by_key(|row| (row.asked, row.rays))
     };
     let here = cg(&|row| row.cell() == Some(cell))?;
-    if !rows[from].is_converged() && rows[from].error > 1.2 * here.error + 2.0 * here.error_se {
+    if !rows[from].is_converged()
+        && rows[from].error > ORDER_LACKS * here.error + ORDER_LACKS_ERRORS * here.error_se
+    {
         return Some(Turn::Order);
     }
     let gain = |there: Option<&StudyRow>| {
         let there = there?;
         let fall = (here.reading().most() / there.reading().most()).ln();
-        Some((fall / (there.seconds / here.seconds).ln().max(0.1)).max(0.0))
+        Some((fall / (there.seconds / here.seconds).ln().max(LEAST_LOG_TIME)).max(0.0))
     };
     let patches = gain(cg(&|row| row.rays == cell.rays && row.asked > cell.patches));
     let rays = gain(cg(&|row| row.asked == cell.patches && row.rays > cell.rays));
     match (patches?, rays?) {
-        (p, r) if p.max(r) < 0.05 => None,
+        (p, r) if p.max(r) < NO_GAIN => None,
         (p, r) if p > AS_GOOD * r => Some(Turn::Patches),
         (p, r) if r > AS_GOOD * p => Some(Turn::Rays),
         _ => Some(Turn::Both),

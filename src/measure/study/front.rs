@@ -1,10 +1,8 @@
 //! Front: the rows that no other beats in both time and error (Pareto 1896), the quickest first. Times within
 //! 5 % of each other are the same: clocks on a busy machine tell no more.
 
+use super::constants::SAME_TIME;
 use super::row::StudyRow;
-
-/// Times that differ by less than this factor are alike.
-pub(super) const SAME_TIME: f64 = 1.05;
 
 /// Numbers of the rows on the front. An error that the noise hides counts as what it is no larger than.
 pub(super) fn front(rows: &[StudyRow], of_it: impl Fn(&StudyRow) -> bool) -> Vec<usize> {

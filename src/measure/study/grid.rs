@@ -4,11 +4,10 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-/// Each value of a knob is so many times the one before.
-const STEP: usize = 4;
-
-/// Values of a knob that a trend can be told from.
-const FEWEST: usize = 3;
+use super::constants::{
+    ENTRIES_PER_RAY, ENTRY_SECONDS, FEWEST_VALUES, FIRST_PATCHES, FIRST_PATCHES_PER_SIDE, FIRST_RAYS,
+    MOST_PATCHES, MOST_RAYS, PATCH_SECONDS, RAY_SECONDS, RAYS_OF_REPEATS, REPEATS, STEP,
+};
 
 /// What a study tries: every number of patches with every number of rays.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -34,12 +33,12 @@ impl Grid {
     ///
     /// Depends on no clock, so that the same scene and time give the same grid anywhere.
     pub fn for_scene(sides: usize, time: Duration) -> Self {
-        const MOST_PATCHES: usize = 1 << 20;
-        const MOST_RAYS: u32 = 1 << 14;
-        let coarsest = (2 * sides).next_power_of_two().max(128);
-        let ladder = |first: usize| (0..FEWEST as u32).map(move |k| first * STEP.pow(k));
-        let mut grid =
-            Self { patches: ladder(coarsest).collect(), rays: ladder(16).map(|rays| rays as u32).collect() };
+        let coarsest = (FIRST_PATCHES_PER_SIDE * sides).next_power_of_two().max(FIRST_PATCHES);
+        let ladder = |first: usize| (0..FEWEST_VALUES as u32).map(move |k| first * STEP.pow(k));
+        let mut grid = Self {
+            patches: ladder(coarsest).collect(),
+            rays: ladder(FIRST_RAYS).map(|rays| rays as u32).collect(),
+        };
         // The knob with fewer values grows first; of equals patches, for their error is seldom gone while
         // that of rays still is there.
         while let (Some(&patches), Some(&rays)) = (grid.patches.last(), grid.rays.last()) {
@@ -73,17 +72,17 @@ impl Grid {
 
 impl Cell {
     /// How often it is measured, each time with other random numbers: oftener where that costs little. Never
-    /// once, for the spread between answers is part of what is measured.
+    /// once.
     pub fn repeats(&self) -> usize {
-        const RAYS_IN_ALL: usize = 1 << 21;
-        (RAYS_IN_ALL / (self.patches * self.rays as usize).max(1)).clamp(2, 24)
+        (RAYS_OF_REPEATS / (self.patches * self.rays as usize).max(1)).clamp(REPEATS[0], REPEATS[1])
     }
 
     /// About what all its repeats take on two cores.
     pub(super) fn nominal_seconds(&self) -> f64 {
         let (n, rays) = (self.patches as f64, f64::from(self.rays));
         // Cutting, rays and shadow rays, and all solvers together by entries of the matrix.
-        let once = 4e-6 * n + 2.4e-7 * n * rays + 6e-8 * n * n.min(1.5 * rays);
+        let once =
+            PATCH_SECONDS * n + RAY_SECONDS * n * rays + ENTRY_SECONDS * n * n.min(ENTRIES_PER_RAY * rays);
         self.repeats() as f64 * once
     }
 }
@@ -97,7 +96,7 @@ mod tests {
         let mut last = 0;
         for seconds in [0, 1, 10, 60, 600] {
             let grid = Grid::for_scene(58, Duration::from_secs(seconds));
-            assert!(grid.patches.len() >= FEWEST && grid.rays.len() >= FEWEST, "{grid:?}");
+            assert!(grid.patches.len() >= FEWEST_VALUES && grid.rays.len() >= FEWEST_VALUES, "{grid:?}");
             assert!(seconds < 10 || grid.nominal_seconds() <= seconds as f64, "{grid:?}");
             let cells = grid.cells();
             assert!(cells.len() >= last && cells.len() == grid.patches.len() * grid.rays.len());
@@ -109,7 +108,7 @@ mod tests {
     #[test]
     fn a_mesh_of_many_faces_is_never_asked_for_fewer_patches_than_it_has() {
         let grid = Grid::for_scene(50_000, Duration::from_secs(60));
-        assert!(grid.patches[0] >= 50_000 && grid.patches.len() == FEWEST);
+        assert!(grid.patches[0] >= 50_000 && grid.patches.len() == FEWEST_VALUES);
     }
 
     #[test]

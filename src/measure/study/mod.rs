@@ -6,6 +6,7 @@
 //! there, stop, and resume another time.
 
 mod conclusions;
+mod constants;
 mod front;
 mod grid;
 mod reference;
@@ -21,6 +22,7 @@ use serde::Serialize;
 use xxhash_rust::xxh3::Xxh3;
 
 pub use conclusions::{Conclusions, OrderTrend, Solving, Target, Turn};
+use constants::{LAST_CELLS, REFERENCE_ALONE, REFERENCE_SHARE};
 pub use grid::{Cell, Grid};
 use reference::Enough;
 pub use reference::{FaceError, ReferenceSide, StudyReference};
@@ -34,9 +36,6 @@ use crate::progress::{Observer, Progress};
 use crate::scene::Scene;
 use crate::trace::Tracer;
 use crate::transport::TransportError;
-
-/// The part of the time that the reference may take.
-const REFERENCE_SHARE: f64 = 0.4;
 
 /// What to study, and for how long.
 #[derive(Clone, Debug)]
@@ -177,7 +176,7 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
             let watch = Watch::new(options.progress, "reference", 0.0, share.as_secs_f64());
             let progress = Progress::to(&watch);
             // What is left of the share is for the paths that are held against it.
-            let enough = Enough { time: share.mul_f64(0.85), noise: options.noise };
+            let enough = Enough { time: share.mul_f64(REFERENCE_ALONE), noise: options.noise };
             let traced = StudyReference::trace(tracer, sides, enough, options.seed, progress)?;
             self.reference = Some(traced);
             return Ok(true);
@@ -222,8 +221,6 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
 
     /// What a cell will take, by what those before took.
     fn predicted_seconds(&self, cell: Cell) -> f64 {
-        /// So many of the last cells are looked at; the slowest of them counts.
-        const LAST: usize = 3;
         let mut known: Vec<Cell> = self.rows.iter().filter_map(StudyRow::cell).collect();
         known.dedup();
         let slowness = |cell: &Cell| {
@@ -231,7 +228,7 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
                 self.rows.iter().filter(|row| row.cell() == Some(*cell)).cloned().collect();
             row::spent(&rows) / cell.nominal_seconds()
         };
-        let slowest = known.iter().rev().take(LAST).map(slowness).fold(0.0, f64::max);
+        let slowest = known.iter().rev().take(LAST_CELLS).map(slowness).fold(0.0, f64::max);
         cell.nominal_seconds() * if slowest > 0.0 { slowest } else { 1.0 }
     }
 

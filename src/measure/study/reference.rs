@@ -12,15 +12,13 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
+use super::constants::{FIRST_REFERENCE_PATHS, RESOLVED};
 use crate::measure::MeasureError;
 use crate::patches::{FaceRow, Patches};
 use crate::progress::Progress;
 use crate::reference::{Budget, PathOptions, PathTraced, PathTracer, ReferenceRow};
 use crate::scene::Side;
 use crate::trace::Tracer;
-
-/// Paths a side of a face to begin with.
-const FIRST: u64 = 256;
 
 /// What answers are held against.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -96,7 +94,7 @@ impl StudyReference {
         let began = Instant::now();
         let paths = PathTracer::new(tracer);
         // Of very many sides even the first paths may take more than there is.
-        let (first, seconds) = (FIRST * sides.len() as u64, time.as_secs_f64());
+        let (first, seconds) = (FIRST_REFERENCE_PATHS * sides.len() as u64, time.as_secs_f64());
         let first = Budget { paths: Some(first), seconds: Some(seconds), ..Budget::default() };
         let mut options = PathOptions { budget: first, bounces: 0, seed, progress, ..PathOptions::default() };
         let mut estimate = paths.irradiance(sides, &options)?;
@@ -143,7 +141,7 @@ impl StudyReference {
             2.0 * (s.area * own).powi(2) * (1.0 + 1.0 / s.degrees_of_freedom.max(1.0))
         };
         let variance: f64 = self.sides.iter().map(variance_of).sum();
-        relative_root(2.0 * variance.sqrt(), self.whole())
+        relative_root(RESOLVED * variance.sqrt(), self.whole())
     }
 
     /// ΣA(H² − σ²).

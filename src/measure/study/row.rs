@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::constants::{LIMIT, RESOLVED};
 use super::grid::Cell;
 
 /// How irradiance was found.
@@ -75,10 +76,10 @@ impl Reading {
 impl StudyRow {
     /// The error as far as it is known: three standard errors make a limit where two hide the error itself.
     pub fn reading(&self) -> Reading {
-        if self.error > 2.0 * self.error_se {
+        if self.error > RESOLVED * self.error_se {
             Reading::Resolved(self.error)
         } else {
-            Reading::Below(self.error + 3.0 * self.error_se)
+            Reading::Below(self.error + LIMIT * self.error_se)
         }
     }
 

@@ -5,6 +5,7 @@
 use std::time::Instant;
 
 use super::StudyOptions;
+use super::constants::{FEWER_PATHS, FIRST_PATHS, ORDERS, PATHS_STEP};
 use super::grid::Cell;
 use super::reference::StudyReference;
 use super::row::{StudyRow, StudySolver};
@@ -16,9 +17,6 @@ use crate::solve;
 use crate::solve::{Method, Problem, SolveOptions};
 use crate::trace::Tracer;
 use crate::transport::{FormFactors, LightOptions, TraceOptions};
-
-/// Orders at which the series is truncated.
-const ORDERS: [usize; 5] = [1, 2, 4, 8, 16];
 
 /// Sets the seed of light paths apart from that of the reference, against which they are held.
 const PATHS: u64 = 1 << 60;
@@ -140,15 +138,10 @@ pub(super) fn measure_paths(
     options: &StudyOptions,
     progress: Progress,
 ) -> Result<Vec<StudyRow>, MeasureError> {
-    /// Paths a side of a face to begin with, and by how much they grow.
-    const FIRST: u64 = 32;
-    const STEP: u64 = 4;
-    /// So many fewer paths than the reference's err five times as much.
-    const FEWER: u64 = 24;
     let tracer = PathTracer::new(tracer);
     let mut rows = Vec::new();
-    let mut per_side = FIRST;
-    while FEWER * per_side * sides.len() as u64 <= reference.paths {
+    let mut per_side = FIRST_PATHS;
+    while FEWER_PATHS * per_side * sides.len() as u64 <= reference.paths {
         let mut way = Way::new(StudySolver::Paths, None);
         let mut paths = 0;
         for repeat in 0..(Cell { patches: sides.len(), rays: per_side as u32 }).repeats() {
@@ -166,7 +159,7 @@ pub(super) fn measure_paths(
         }
         let mean = paths as f64 / sides.len() as f64;
         rows.push(way.row(sides.len(), mean.round() as u32, 0, reference));
-        per_side *= STEP;
+        per_side *= PATHS_STEP;
     }
     Ok(rows)
 }

@@ -5,10 +5,8 @@
 
 use serde::Serialize;
 
+use super::constants::{HELPS, HELPS_PER};
 use super::row::{Reading, StudyRow};
-
-/// Turning a knob helps as long as fourfold lowers error by this factor at least.
-const HELPS: f64 = 1.2;
 
 /// A power law with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -78,7 +76,7 @@ impl Trend {
             // What is within the noise may have fallen.
             match after.reading() {
                 Reading::Resolved(error) => {
-                    before.reading().most() > error * HELPS.powf(factor.ln() / 4f64.ln())
+                    before.reading().most() > error * HELPS.powf(factor.ln() / HELPS_PER.ln())
                 }
                 Reading::Below(_) => true,
             }
