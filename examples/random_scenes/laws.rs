@@ -63,8 +63,8 @@ pub struct Outcome {
     pub is_refused: bool,
 }
 
-/// Tests all laws on the scenes of these seeds, as many at a time as there are processors; `see` is shown every
-/// outcome as it comes.
+/// Tests all laws on the scenes of these seeds, as many at a time as there are processors; `see` is shown
+/// every outcome as it comes.
 ///
 /// # Errors
 /// If the folder can't be written.

@@ -1,5 +1,5 @@
-//! Reference: what answers are held against. The path tracer is an independent witness, the light on every patch by following random light paths on the
-//! surfaces themselves.
+//! Reference: what answers are held against. The path tracer is an independent witness, the light on every
+//! patch by following random light paths on the surfaces themselves.
 //!
 //! Light from points and suns that mirrors and glass throw on surfaces is found by no path that starts where
 //! light is wanted, and the spot of a light right before a surface by hardly any; photons bring both, from

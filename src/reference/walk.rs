@@ -258,10 +258,10 @@ impl<'t, 's> Walker<'t, 's> {
         }
     }
 
-    /// Where a ray ends that carriers pass on from where it has met one, by one way at each. Its weight takes on their
-    /// colours; beside it there is scratch, both a value a channel. Calls `lamp_seen(part, weight, emission)`
-    /// for each part·weight·emission of the radiance that comes straight from a lamp by a rough conductor or
-    /// a coat and was looked for there.
+    /// Where a ray ends that carriers pass on from where it has met one, by one way at each. Its weight takes
+    /// on their colours; beside it there is scratch, both a value a channel. Calls `lamp_seen(part, weight,
+    /// emission)` for each part·weight·emission of the radiance that comes straight from a lamp by a rough
+    /// conductor or a coat and was looked for there.
     pub fn beyond_carriers(
         &self,
         met: RayHit,

@@ -32,7 +32,8 @@ use degenerate::drop_degenerate;
 pub(crate) use lifted::distance_to;
 use lifted::lift_lights;
 
-/// No coordinate may be farther than this from the origin, metres; products of four of them are still numbers.
+/// No coordinate may be farther than this from the origin, metres; products of four of them are still
+/// numbers.
 pub(crate) const FARTHEST: f64 = 1e30;
 
 /// Whether a point is one that a scene may have.
@@ -375,8 +376,8 @@ impl Scene {
         &self.faces
     }
 
-    /// The number of the polygon that a face is part of, in file order; that of the face where nothing else is
-    /// known.
+    /// The number of the polygon that a face is part of, in file order; that of the face where nothing else
+    /// is known.
     pub fn polygon_of(&self, face: usize) -> usize {
         self.polygons.get(face).map_or(face, |&polygon| polygon as usize)
     }

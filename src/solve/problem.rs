@@ -103,8 +103,8 @@ impl Problem {
         self.operator.basis()
     }
 
-    /// What of H₀ (N × c, W·m⁻²) comes by way of mirrors, metals and glass; none where there is none. Pictures
-    /// with gathered light take it.
+    /// What of H₀ (N × c, W·m⁻²) comes by way of mirrors, metals and glass; none where there is none.
+    /// Pictures with gathered light take it.
     pub fn carried(&self) -> Option<&DMatrix<f64>> {
         self.sources.carried.as_ref().map(|light| &light.irradiance)
     }

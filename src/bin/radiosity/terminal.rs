@@ -51,8 +51,8 @@ impl Terminal {
         }
     }
 
-    /// The first Ctrl-C or SIGTERM ends the run at the next report of progress, or after [`PATIENCE`] where none
-    /// comes; a second one ends it at once.
+    /// The first Ctrl-C or SIGTERM ends the run at the next report of progress, or after [`PATIENCE`] where
+    /// none comes; a second one ends it at once.
     pub fn stop_on_signals(&self) -> io::Result<()> {
         let mut signals = Signals::new([SIGINT, SIGTERM])?;
         let stopped = Arc::clone(&self.stopped);

@@ -47,8 +47,8 @@ pub(super) const ALWAYS_OF_ONE: f64 = 6.0;
 /// The same for the mean over all patches, before [`REMAINS`]; a pure number.
 pub(super) const ALWAYS_OF_MEAN: f64 = 0.1;
 
-/// The mesh explains no more than these parts of the root mean square and of the mean: an estimate that allows
-/// more comes from a mesh that is too coarse for it. Pure numbers.
+/// The mesh explains no more than these parts of the root mean square and of the mean: an estimate that
+/// allows more comes from a mesh that is too coarse for it. Pure numbers.
 pub(super) const MOST_BY_MESH: f64 = 0.2;
 pub(super) const MOST_OF_MEAN: f64 = 0.05;
 

@@ -1,8 +1,8 @@
 //! Constants of the error bars: how far errors may exceed what batches of rays and merged patches tell.
 //!
 //! Those called *fitted* or *measured* say on what, where the history tells. No script makes the fits again.
-//! What comes of them is tested in `tests/behaviour/error_bars.rs`: noise against answers with other rays, and
-//! bounds against another renderer's answers.
+//! What comes of them is tested in `tests/behaviour/error_bars.rs`: noise against answers with other rays,
+//! and bounds against another renderer's answers.
 
 /// Patches that are merged into one to tell the mesh error of constant elements; a number. Chosen: a face of
 /// five by five patches becomes one of three by three.
@@ -33,15 +33,16 @@ pub(super) const MESH_AT_MOST_LINEAR: f64 = 1.6;
 /// Measured with other glass than tests have: light is gathered in spots smaller than patches.
 pub(super) const FOCUSED: f64 = 2.0;
 
-/// Specular surfaces whose normals are more than these are curved; a number. Chosen: a box of mirrors has six.
+/// Specular surfaces whose normals are more than these are curved; a number. Chosen: a box of mirrors has
+/// six.
 pub(super) const FLAT_NORMALS: usize = 12;
 
 /// Normals are rounded to this part of a unit, its inverse, before they are counted; a pure number. Chosen:
 /// about a degree.
 pub(super) const NORMAL_STEPS: f64 = 60.0;
 
-/// How exactly changes are solved for, relative to them; a pure number. Chosen: an error bar need not be known
-/// better.
+/// How exactly changes are solved for, relative to them; a pure number. Chosen: an error bar need not be
+/// known better.
 pub(super) const CHANGE_TOLERANCE: f64 = 0.01;
 
 /// The part of the noise that shows in the change that merging makes; a pure number. Measured.

@@ -150,8 +150,8 @@ fn has_curved_carriers(patches: &Patches) -> bool {
     ways.collect::<HashSet<_>>().len() > FLAT_NORMALS
 }
 
-/// How much more irradiance clusters have here than in the scene solved with constant light on clusters, whose
-/// sources these are.
+/// How much more irradiance clusters have here than in the scene solved with constant light on clusters,
+/// whose sources these are.
 fn changed_by(
     patches: &Patches,
     clusters: &Clusters,

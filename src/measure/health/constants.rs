@@ -18,8 +18,8 @@ pub(super) const NEEDLE: f64 = 1e6;
 /// The widest crack, relative to the length of its edge; a pure number.
 pub(super) const CRACK: f64 = 0.01;
 
-/// How far from an edge a vertex may lie and still be on it: normalised lengths, and no more than this part of
-/// the edge. Coordinates are often written with six digits.
+/// How far from an edge a vertex may lie and still be on it: normalised lengths, and no more than this part
+/// of the edge. Coordinates are often written with six digits.
 pub(super) const ON_EDGE: f64 = 2e-6;
 pub(super) const ON_EDGE_OF_LENGTH: f64 = 1e-3;
 
@@ -56,7 +56,8 @@ pub(super) const NARROW: f64 = 0.01;
 /// Escaping rays whose openings are measured; a number. A limit on time.
 pub(super) const MEASURED: usize = 2000;
 
-/// Axes along which an escaping ray is tilted, a number, and tangents of the angles, each twice the one before.
+/// Axes along which an escaping ray is tilted, a number, and tangents of the angles, each twice the one
+/// before.
 pub(super) const TILT_AXES: usize = 4;
 pub(super) const TILTS: [f64; 9] =
     [1.0 / 256.0, 1.0 / 128.0, 1.0 / 64.0, 1.0 / 32.0, 1.0 / 16.0, 0.125, 0.25, 0.5, 1.0];
@@ -66,8 +67,8 @@ pub(super) const TILTS: [f64; 9] =
 /// Directions in which a place looks around; a number.
 pub(super) const LOOKS: u32 = 64;
 
-/// Directions that are drawn for each one that is looked along from a light, to find those in which it shines;
-/// a number.
+/// Directions that are drawn for each one that is looked along from a light, to find those in which it
+/// shines; a number.
 pub(super) const DRAWN_PER_LOOK: u32 = 8;
 
 /// Points of a receiver that look around; a number.

@@ -89,8 +89,8 @@ pub(super) const ACCURACIES: [f64; 9] = [0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.00
 /// number.
 pub(super) const TRUNCATION_APART: f64 = 2.0;
 
-/// An order is high enough if the error exceeds that of the whole solution by no more than this factor; a pure
-/// number.
+/// An order is high enough if the error exceeds that of the whole solution by no more than this factor; a
+/// pure number.
 pub(super) const ORDER_ENOUGH: f64 = 1.1;
 
 /// A higher order is what helps where the error exceeds that of the whole solution by more than this factor,

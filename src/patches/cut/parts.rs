@@ -1,11 +1,11 @@
 //! Parts: the triangles into which contacts part a face before it is cut into patches.
 //!
 //! A patch lies on one side of a wall that stands on its face or on the other, or light would leak through:
-//! lines along which other faces touch are drawn exactly, and the two sides of a thin wall are two lines. Lines
-//! below what is near but does not touch cast shadows alone: those that run along others, or along the face's
-//! border, are made one with them, and ends that lie near a line or another end are moved there. What is left
-//! is triangulated with these lines as edges (constrained Delaunay triangulation, by `spade`). Where that comes
-//! to nothing a face stays whole.
+//! lines along which other faces touch are drawn exactly, and the two sides of a thin wall are two lines.
+//! Lines below what is near but does not touch cast shadows alone: those that run along others, or along the
+//! face's border, are made one with them, and ends that lie near a line or another end are moved there. What
+//! is left is triangulated with these lines as edges (constrained Delaunay triangulation, by `spade`). Where
+//! that comes to nothing a face stays whole.
 //!
 //! The outlines of what covers a face in its own plane part it however small it is: a patch is covered or it
 //! is not. So do the lines along which other faces pass through it.
@@ -44,8 +44,8 @@ const MOST_OUTLINES: usize = 8192;
 const NEIGHBOURS: [usize; 2] = [1 << 22, 64];
 const LINES: [usize; 2] = [1 << 18, 16];
 
-/// How often lines may cross each other, all faces together, and on one face at least and at most: a line that
-/// would cross more is left out.
+/// How often lines may cross each other, all faces together, and on one face at least and at most: a line
+/// that would cross more is left out.
 const MOST_CROSSINGS: usize = 1 << 19;
 const MOST_CROSSINGS_ON_FACE: [usize; 2] = [64, 4096];
 
@@ -166,7 +166,8 @@ impl Parts {
                 welded.add_all(near);
                 (triangulate(&flat.corners, welded.drawn()), is_always)
             };
-            // Where rounding leaves no way to draw lines exactly, they are drawn as those of what is near are.
+            // Where rounding leaves no way to draw lines exactly, they are drawn as those of what is near
+            // are.
             let (triangles, is_always) = match drawn(EXACT_WELD * longest) {
                 (None, _) => drawn(WELD * edge.min(longest)),
                 found => found,

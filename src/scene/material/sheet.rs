@@ -23,8 +23,8 @@ impl Sheet {
         [&mut self.reflectance_back, &mut self.transmittance]
     }
 
-    /// What is not physical about it, with this reflectance on its front and a picture of these highest factors
-    /// on both sides, if anything.
+    /// What is not physical about it, with this reflectance on its front and a picture of these highest
+    /// factors on both sides, if anything.
     pub(crate) fn check(&self, front: &[f64], highest: [f64; 3]) -> Result<(), String> {
         for (what, values) in
             [("reflectance_back", &self.reflectance_back), ("transmittance", &self.transmittance)]

@@ -50,8 +50,8 @@ const NOT_CLOSED: f64 = 1e-12;
 pub const FLOODED: f64 = 0.95;
 
 /// Passes over the matrix after which the search ends with what it has. Rows are then lowered to their
-/// targets, and what they lack is slack: in meshes of many nooks some pairs of patches see next to nothing but
-/// each other, and a few rows take thousands of passes to close to the last digit.
+/// targets, and what they lack is slack: in meshes of many nooks some pairs of patches see next to nothing
+/// but each other, and a few rows take thousands of passes to close to the last digit.
 const MOST_PASSES: usize = 300;
 
 /// How many of these what is closed only to be closed once more may take: lamps, and then all others.

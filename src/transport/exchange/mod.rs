@@ -305,8 +305,8 @@ impl Exchange {
         }
     }
 
-    /// y ← S x for N × c matrices in the unit of the mass, overwriting y. The same bits whatever the number of
-    /// threads.
+    /// y ← S x for N × c matrices in the unit of the mass, overwriting y. The same bits whatever the number
+    /// of threads.
     ///
     /// # Panics
     /// If the shapes differ.

@@ -1,8 +1,8 @@
 //! Constants of the forecast: what parts of a run cost, and how many of them there are.
 //!
-//! Those called *fitted* were fitted to timed runs on two cores of an AMD EPYC (Zen). The scenes of these runs
-//! are not recorded, and no script makes the fit again; `tests/behaviour/plan.rs` holds numbers of patches,
-//! rays and bytes against runs, but not seconds.
+//! Those called *fitted* were fitted to timed runs on two cores of an AMD EPYC (Zen). The scenes of these
+//! runs are not recorded, and no script makes the fit again; `tests/behaviour/plan.rs` holds numbers of
+//! patches, rays and bytes against runs, but not seconds.
 
 /// Time of one thread for a ray through a scene of n faces, a + b log₂ n: [a, b], ns. Fitted.
 pub(super) const RAY: [f64; 2] = [30.0, 47.0];
@@ -17,8 +17,8 @@ pub(super) const CARRIERS_MET: f64 = 1.2;
 /// Time of one thread to sort a landing into the matrix, ns. Fitted.
 pub(super) const LANDING: f64 = 55.0;
 
-/// Time of [`MEMORY_THREADS`] threads together for a byte of the matrix in one product: of one channel, and of
-/// several, ns. Fitted.
+/// Time of [`MEMORY_THREADS`] threads together for a byte of the matrix in one product: of one channel, and
+/// of several, ns. Fitted.
 pub(super) const BYTE: [f64; 2] = [0.055, 0.075];
 
 /// More threads than these make no product quicker, since it is bound by memory; a number. Chosen: the

@@ -1,7 +1,7 @@
 //! Rows: what the rays of each patch found, before it becomes a matrix.
 //!
-//! A [`Recipe`] tells which rays a patch sends. Each ends on a side, by way of carriers or straight, or leaves:
-//! an [`End`]. Lamps are looked for besides ([`Look`]), and lamps that shine by way of carriers shoot
+//! A [`Recipe`] tells which rays a patch sends. Each ends on a side, by way of carriers or straight, or
+//! leaves: an [`End`]. Lamps are looked for besides ([`Look`]), and lamps that shine by way of carriers shoot
 //! [`Caustics`]. Channels that carriers treat alike are one of the [`Tones`].
 
 mod caustics;

@@ -5,9 +5,10 @@ use crate::patches::{Basis, Patches};
 use crate::progress::Progress;
 use crate::trace::Tracer;
 
-/// Independent batches that the rays of a patch are split into, of rows and of light sampling alike; a number.
-/// How far they differ tells the noise, with one degree of freedom less. Chosen, not fitted: quantiles of
-/// Student's t elsewhere are those of 7 degrees of freedom, and saved form factors have as many batches.
+/// Independent batches that the rays of a patch are split into, of rows and of light sampling alike; a
+/// number. How far they differ tells the noise, with one degree of freedom less. Chosen, not fitted:
+/// quantiles of Student's t elsewhere are those of 7 degrees of freedom, and saved form factors have as many
+/// batches.
 pub const BATCHES: u32 = 8;
 
 /// Rays from patches for each one that lamps, lights without area and the sky shoot at specular surfaces, and

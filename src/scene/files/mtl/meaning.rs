@@ -1,8 +1,8 @@
 //! Meaning: what an entry of a material library says about a surface, as exporters write entries.
 //!
-//! Some write the same whatever a surface is. Blender marks every material that is metallic at all as a mirror
-//! (`illum 3`), with its metallic part as `Ka`, and gives the roughness of its default, `Pr 0.5` and `Pm 0`,
-//! to every plain wall. Mirrors and coats are taken only from entries that mean one.
+//! Some write the same whatever a surface is. Blender marks every material that is metallic at all as a
+//! mirror (`illum 3`), with its metallic part as `Ka`, and gives the roughness of its default, `Pr 0.5` and
+//! `Pm 0`, to every plain wall. Mirrors and coats are taken only from entries that mean one.
 
 use std::path::Path;
 
@@ -20,7 +20,8 @@ const GLASS: f64 = 1.5;
 /// From this metallic part on a surface is a metal.
 const METALLIC: f64 = 0.5;
 
-/// From this roughness on a surface without metal is diffuse, where an exporter states both of every material.
+/// From this roughness on a surface without metal is diffuse, where an exporter states both of every
+/// material.
 const MATT: f64 = 0.5;
 
 /// What an entry means.
