@@ -148,8 +148,8 @@ impl Reader<'_> {
         used
     }
 
-    /// The leaves of a tree of names that starts at `at`, each with the name it goes by; answers where the tree
-    /// ends.
+    /// The leaves of a tree of names that starts at `at`, each with the name it goes by; answers where the
+    /// tree ends.
     fn leaves(&self, mut at: usize, head: &[String], leaves: &mut Vec<(Path, String)>) -> usize {
         let mut path = head.to_vec();
         loop {

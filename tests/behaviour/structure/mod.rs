@@ -1,6 +1,7 @@
-//! Data flows one way: a module imports only from modules to its left, and no two rooms of the house need each
-//! other.
+//! Data flows one way: a module imports only from modules to its left, and no two rooms of the house need
+//! each other.
 
+mod comments;
 mod house;
 mod tokens;
 
