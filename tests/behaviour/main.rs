@@ -38,7 +38,7 @@ mod sheets; // blinds and lampshades: closed forms, energy, every solver, light 
 mod sidedness; // turned lamps and their backs, lights without area on surfaces
 mod slack; // rows that cannot be closed: they fail by themselves, and what they lack is accounted for
 mod stopping; // iterations end by light, whatever lamps and rooms; truncated answers say so
-mod structure; // modules import only from their left
+mod structure; // modules import only from their left, functions take few parameters
 mod study; // accuracy against time: errors that fall, noise that is called noise, studies that resume
 mod textures; // pictures on surfaces: averages, light paths, renderings, files
 mod thin_glass; // sheets: a slab, a furnace, sun and sky through windows, pictures, settings

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::tokens::{Token, tokens};
+use super::tokens::{Token, is_name, tokens, without_tests};
 
 /// A module or a name in one, from the crate's root.
 type Path = Vec<String>;
@@ -192,19 +192,6 @@ impl Reader<'_> {
             _ => self.modules.contains(&inside(&path[..1])).then(|| inside(path)),
         }
     }
-}
-
-fn is_name(text: &str) -> bool {
-    text.starts_with(|c: char| c.is_alphabetic() || c == '_')
-}
-
-/// What comes before tests.
-fn without_tests(mut tokens: Vec<Token>) -> Vec<Token> {
-    let starts = |pair: &[Token]| pair[0].text == "mod" && pair[1].text == "tests";
-    if let Some(tests) = tokens.windows(2).position(starts) {
-        tokens.truncate(tests);
-    }
-    tokens
 }
 
 #[test]

@@ -60,3 +60,16 @@ pub fn tokens(text: &str) -> Vec<Token> {
     }
     tokens
 }
+
+pub fn is_name(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_alphabetic() || c == '_')
+}
+
+/// What comes before tests.
+pub fn without_tests(mut tokens: Vec<Token>) -> Vec<Token> {
+    let starts = |pair: &[Token]| pair[0].text == "mod" && pair[1].text == "tests";
+    if let Some(tests) = tokens.windows(2).position(starts) {
+        tokens.truncate(tests);
+    }
+    tokens
+}
