@@ -3,14 +3,13 @@
 
 use glam::{DQuat, DVec3};
 use radiosity::measure::overlaps;
-use radiosity::patches::{PatchSize, Patches, Tessellation};
 use radiosity::reference::{PathOptions, PathTracer};
 use radiosity::scene::{Face, FaceState, Material, Scene, SceneParts, Side};
 use radiosity::solve::{self, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Sources, TraceOptions, Transport};
 
-use crate::scenes::{Quad, flipped, room};
+use crate::scenes::{Quad, cut_into, flipped, room};
 
 const WALL: u32 = 0;
 const LAMP: u32 = 1;
@@ -63,8 +62,7 @@ fn scene(quads: &[(Quad, u32)], turn: DQuat, digits: Option<i32>) -> Scene {
 /// Area (m²) and mean irradiance of each quad's front and back; nothing where it has no patches.
 fn answer(scene: &Scene, count: usize, rays: u32) -> Vec<[Option<(f64, f64)>; 2]> {
     let tracer = Tracer::new(scene);
-    let size = PatchSize::Count(count);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let mut patches = cut_into(&tracer, count);
     let options = TraceOptions { rays: Some(rays), ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
     assert!(factors.exchange().closure().after < 1e-12, "{:?}", factors.exchange().closure());
@@ -218,8 +216,7 @@ fn light_paths_meet_the_same_faces_as_rows() {
     let scene = scene(&rug, turns()[1].0, Some(6));
     let found = answer(&scene, 1500, 256);
     let tracer = Tracer::new(&scene);
-    let size = PatchSize::Count(300);
-    let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let patches = cut_into(&tracer, 300);
     let truth = PathTracer::new(&tracer).irradiance(&patches, &PathOptions::default()).unwrap();
     let (irradiance, errors) = (truth.means(), truth.standard_errors());
     for quad in [1, 4, 7] {

@@ -10,7 +10,7 @@ use radiosity::solve::{Problem, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Shots, Sources, Switches, TraceOptions};
 
-use crate::scenes::{BASES, cut_into as cut, flipped, lit_quads, mesh, quads, room};
+use crate::scenes::{BASES, cut_into, flipped, lit_quads, mesh, quads, room};
 
 fn switched(scene: Scene, switches: &str) -> (Scene, Vec<String>) {
     let (scene, _, told) = switches.parse::<Switches>().unwrap().apply(scene);
@@ -32,7 +32,7 @@ fn with_materials(scene: &Scene, materials: Vec<Material>) -> Scene {
 /// Irradiance of every patch, by means, with all effects the scene has.
 fn irradiance(scene: &Scene, options: &TraceOptions) -> DMatrix<f64> {
     let tracer = Tracer::new(scene);
-    let mut patches = cut(&tracer, 400);
+    let mut patches = cut_into(&tracer, 400);
     let factors = FormFactors::trace(&tracer, &mut patches, options).unwrap();
     let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
     problem.solve(&SolveOptions::default()).unwrap().means().irradiance
@@ -53,7 +53,7 @@ fn without_interreflection_there_is_what_lamps_send_straight_and_what_of_it_is_r
         quads(&plates, vec![lamp, Material::diffuse("plate", &[0.8])]).without(Feature::Interreflection);
     let tracer = Tracer::new(&scene);
     for basis in BASES {
-        let patches = cut(&tracer, 200);
+        let patches = cut_into(&tracer, 200);
         let factors = FormFactors::none(&patches, basis);
         let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
         let solution = problem.solve(&SolveOptions::default()).unwrap();
@@ -77,7 +77,7 @@ fn without_interreflection_there_is_what_lamps_send_straight_and_what_of_it_is_r
 /// The energy of direct light in a scene that is cut into some 400 patches, under a seed.
 fn direct_energy(scene: &Scene, basis: Basis, seed: u64) -> Energy {
     let tracer = Tracer::new(scene);
-    let patches = cut(&tracer, 400);
+    let patches = cut_into(&tracer, 400);
     let factors = FormFactors::none(&patches, basis);
     let light = LightOptions { seed, ..Default::default() };
     let sources = Sources::trace(&tracer, &patches, basis, &light).unwrap();
@@ -138,7 +138,7 @@ fn without_interreflection_light_is_as_among_black_surfaces() {
     let options = TraceOptions { lamp_rays: Some(512), ..Default::default() };
     let expected = irradiance(&dark, &options);
     let tracer = Tracer::new(&dark);
-    let patches = cut(&tracer, 400);
+    let patches = cut_into(&tracer, 400);
     let light = LightOptions { lamp_rays: options.lamp_rays, ..Default::default() };
     let lights = Sources::trace(&tracer, &patches, Basis::Constant, &light).unwrap();
     let direct = lights.with_lamps(&tracer, &patches, Basis::Constant, &light).unwrap().direct.unwrap();
@@ -153,7 +153,7 @@ fn direct_light_arrives_in_every_one_of_many_bands() {
     let lamp = Material::lamp("lamp", &[0.5; 5], &[1.0, 2.0, 3.0, 4.0, 5.0]);
     let scene = quads(&plates, vec![lamp, Material::diffuse("plate", &[0.8; 5])]);
     let tracer = Tracer::new(&scene);
-    let patches = cut(&tracer, 50);
+    let patches = cut_into(&tracer, 50);
     let light = LightOptions::default();
     let lights = Sources::trace(&tracer, &patches, Basis::Constant, &light).unwrap();
     let direct = lights.with_lamps(&tracer, &patches, Basis::Constant, &light).unwrap().direct.unwrap();
@@ -199,7 +199,7 @@ fn without_its_sky_and_lights_a_scene_is_the_one_without_them() {
 fn without_back_sides_every_patch_is_a_front() {
     let count = |scene: &Scene, side: Side| {
         let tracer = Tracer::new(scene);
-        let mut patches = cut(&tracer, 300);
+        let mut patches = cut_into(&tracer, 300);
         let options = TraceOptions { rays: Some(64), ..Default::default() };
         FormFactors::trace(&tracer, &mut patches, &options).unwrap();
         (0..patches.len()).filter(|&i| patches.place(i).side == side).count()

@@ -8,7 +8,7 @@ use glam::DVec3;
 use image::{ImageFormat, Rgb, Rgb32FImage};
 use nalgebra::DMatrix;
 use radiosity::measure::{Difference, Energy};
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches};
 use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Environment, Light, Material, Pixels, Scene, Sky, SkyKind, luminance};
@@ -16,7 +16,7 @@ use radiosity::solve::Problem;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
-use crate::scenes::{lit_quads, room};
+use crate::scenes::{cut, cut_into, lit_quads, room};
 use crate::scratch::Scratch;
 
 /// Ground, and on it a block without a bottom.
@@ -39,8 +39,7 @@ fn under(sky: Option<Sky>, lights: Vec<Light>, reflectance: &[f64]) -> Scene {
 /// H₀ of faces, front sides first of all.
 fn direct(scene: &Scene, basis: Basis, rays: u32) -> Vec<f64> {
     let tracer = Tracer::new(scene);
-    let size = PatchSize::Edge(0.25);
-    let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let patches = cut(&tracer, PatchSize::Edge(0.25));
     let options = LightOptions { rays, ..Default::default() };
     let found = Sources::trace(&tracer, &patches, basis, &options).unwrap().direct.unwrap();
     patches.average_by_face(&basis.means(&found)).iter().map(|row| row.mean[0]).collect()
@@ -110,8 +109,7 @@ struct Solved<'s> {
 }
 
 fn solved<'s>(tracer: &Tracer<'s>, count: usize) -> (Solved<'s>, f64) {
-    let size = PatchSize::Count(count);
-    let mut patches = Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let mut patches = cut_into(tracer, count);
     let factors = FormFactors::trace(tracer, &mut patches, &TraceOptions::default()).unwrap();
     let options = LightOptions { rays: 1024, ..Default::default() };
     let problem = Problem::new(tracer, &patches, &factors, &options).unwrap();
@@ -221,8 +219,7 @@ fn every_key_tells_the_unit_of_an_environment() {
     // Open level ground gets the illuminance that was asked for.
     let scene = load(&format!("{SKY}illuminance = 12000\n"), Some(picture())).unwrap();
     let tracer = Tracer::new(&scene);
-    let patches =
-        Patches::new(&tracer, &Tessellation { size: PatchSize::Edge(1.0), ..Default::default() }).unwrap();
+    let patches = cut(&tracer, PatchSize::Edge(1.0));
     let options = LightOptions { rays: 16384, ..Default::default() };
     let direct = Sources::trace(&tracer, &patches, Basis::Constant, &options).unwrap().direct.unwrap();
     let row: Vec<f64> = direct.row(0).iter().copied().collect();

@@ -12,7 +12,7 @@ use radiosity::solve::{CgOptions, Problem, Solution};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, TransportError};
 
-use crate::scenes::{flipped, quads, room};
+use crate::scenes::{cut_into, flipped, quads, room};
 
 /// An answer with its error bars.
 struct Answer {
@@ -28,8 +28,7 @@ fn solved(tracer: &Tracer, patches: &Patches, factors: &FormFactors) -> (Problem
 
 fn answer(tracer: &Tracer, count: usize, rays: u32, seed: u64, basis: Basis) -> Answer {
     // The cut is the same for every seed.
-    let size = PatchSize::Count(count);
-    let mut patches = Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let mut patches = cut_into(tracer, count);
     let options = TraceOptions { rays: Some(rays), seed, basis, keep: Keep::Rays, ..Default::default() };
     let factors = FormFactors::trace(tracer, &mut patches, &options).unwrap();
     let light = LightOptions { rays, seed, ..Default::default() };
@@ -216,8 +215,7 @@ fn what_does_not_fit_into_memory_or_time_ends_with_the_best_there_is_and_what_it
 fn more_rays_are_as_good_as_having_sent_them_at_once() {
     let scene = Scene::cornell_box();
     let tracer = Tracer::new(&scene);
-    let size = PatchSize::Count(600);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let mut patches = cut_into(&tracer, 600);
     let trace = |rays, seed| TraceOptions { rays: Some(rays), seed, keep: Keep::Rays, ..Default::default() };
     let few = FormFactors::trace(&tracer, &mut patches, &trace(64, 1)).unwrap();
     let noise = |patches: &Patches, factors: &FormFactors| {
@@ -254,8 +252,7 @@ fn the_same_seed_gives_the_same_bars() {
 fn without_rays_there_are_no_error_bars() {
     let scene = Scene::cornell_box();
     let tracer = Tracer::new(&scene);
-    let size = PatchSize::Count(200);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let mut patches = cut_into(&tracer, 200);
     let options = TraceOptions { rays: Some(32), ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
     let (problem, solution) = solved(&tracer, &patches, &factors);

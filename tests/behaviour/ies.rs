@@ -4,7 +4,7 @@
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 use radiosity::measure::{Difference, Energy};
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize};
 use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::scene::{IntensityTable, Light, Material, Receiver, Scene};
 use radiosity::solve::Problem;
@@ -12,7 +12,7 @@ use radiosity::trace::Tracer;
 use radiosity::trace::sampling::Stream;
 use radiosity::transport::{FormFactors, LightOptions, ReceiverRows, Sources, TraceOptions};
 
-use crate::scenes::{lit_quads, room};
+use crate::scenes::{cut, cut_into, lit_quads, room};
 use crate::scratch::Scratch;
 
 const FILES: [&str; 4] = ["downlight", "batwing", "wallwasher", "lopsided"];
@@ -50,8 +50,7 @@ fn illuminance_under_a_luminaire_is_that_of_its_table_by_the_inverse_square() {
     for name in FILES {
         let scene = load(name, "position = [0.2, 1.5, -0.3]\ndirection = [0, -1, 0]").unwrap();
         let tracer = Tracer::new(&scene);
-        let size = PatchSize::Edge(0.02);
-        let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+        let patches = cut(&tracer, PatchSize::Edge(0.02));
         let options = LightOptions { rays: 64, ..Default::default() };
         let table = table(name);
         // At points it is exact.
@@ -160,8 +159,7 @@ fn light_paths_and_energy_agree_under_luminaires() {
     let lights = vec![light("wallwasher", 0.8), light("batwing", 2.1)];
     let scene = lit_quads(&walls, vec![Material::diffuse("wall", &[0.6])], lights, None);
     let tracer = Tracer::new(&scene);
-    let size = PatchSize::Count(2000);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let mut patches = cut_into(&tracer, 2000);
     let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
     let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
     let solution = problem.solve(&Default::default()).unwrap();

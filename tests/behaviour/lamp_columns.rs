@@ -6,7 +6,7 @@ use radiosity::solve;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
-use crate::scenes::{Quad, flipped, quads, room};
+use crate::scenes::{Quad, cut, flipped, quads, room};
 
 fn sheet(low: [f64; 2], high: [f64; 2], y: f64) -> Quad {
     [[low[0], y, low[1]], [low[0], y, high[1]], [high[0], y, high[1]], [high[0], y, low[1]]]
@@ -25,8 +25,7 @@ fn shaded(blocker: Option<Quad>) -> Scene {
 /// Direct irradiance of the receiver.
 fn irradiance(scene: &Scene, rays: u32, lamp_rays: u32, seed: u64) -> f64 {
     let tracer = Tracer::new(scene);
-    let size = PatchSize::Edge(0.5);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let mut patches = cut(&tracer, PatchSize::Edge(0.5));
     let options = TraceOptions { rays: Some(rays), lamp_rays: Some(lamp_rays), seed, ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
     let k = Transport::of(&factors, &patches).unwrap();

@@ -9,29 +9,20 @@ use radiosity::scene::{Material, Scene, SceneParts};
 use radiosity::solve::{
     self, Certainty, CgOptions, DirectOptions, Method, NeumannOptions, Problem, Solution, SolveOptions,
 };
-use radiosity::transport::{Exchange, FormFactors, Sources, StorageKind, TraceOptions, Transport};
+use radiosity::transport::{Exchange, FormFactors, Sources, StorageKind, Transport};
 
-use crate::scenes::{BASES, STORAGES, difference, every_solver_to, kinds, mesh, quads, room, traced};
+use crate::scenes::{BASES, STORAGES, difference, every_solver_to, factors_of, kinds, mesh, quads, room};
 
 const MESHES: [&str; 6] =
     ["cornell_box", "furnace_cube", "furnace_sphere", "facing_plates", "two_rooms", "furnished_room"];
+
 fn factors<'s>(
     scene: &'s Scene,
     count: usize,
     rays: u32,
     storage: StorageKind,
 ) -> (Patches<'s>, FormFactors) {
-    factors_of(scene, count, rays, (Basis::Constant, storage))
-}
-
-fn factors_of<'s>(
-    scene: &'s Scene,
-    count: usize,
-    rays: u32,
-    (basis, storage): (Basis, StorageKind),
-) -> (Patches<'s>, FormFactors) {
-    let options = TraceOptions { rays: Some(rays), basis, storage, ..Default::default() };
-    traced(scene, PatchSize::Count(count), &options)
+    factors_of(scene, PatchSize::Count(count), rays, (Basis::Constant, storage))
 }
 
 /// Every solver's answer, to a residual of 1e-10 or better.
@@ -75,7 +66,7 @@ fn a_furnace_is_exact_in_every_patch_and_at_every_order() {
         let scene = mesh(name);
         let (rho, emitted) = (scene.materials()[0].reflectance[0], scene.materials()[0].emission[0]);
         for (basis, storage) in kinds() {
-            let (patches, factors) = factors_of(&scene, 600, 64, (basis, storage));
+            let (patches, factors) = factors_of(&scene, PatchSize::Count(600), 64, (basis, storage));
             let k = Transport::of(&factors, &patches).unwrap();
             let e = basis.coefficients_of(&patches.emitted_radiance());
             let exact = emitted / (1.0 - rho);
@@ -126,7 +117,7 @@ fn the_solvers_agree_and_energy_balances_on_every_mesh() {
     for name in MESHES {
         let scene = mesh(name);
         for (basis, storage) in kinds() {
-            let (patches, factors) = factors_of(&scene, 500, 128, (basis, storage));
+            let (patches, factors) = factors_of(&scene, PatchSize::Count(500), 128, (basis, storage));
             let k = Transport::of(&factors, &patches).unwrap();
             let e = basis.coefficients_of(&patches.emitted_radiance());
             let [direct, cg, series] = every_solver(&k, &e);
@@ -155,7 +146,7 @@ fn the_solvers_agree_and_energy_balances_on_every_mesh() {
 fn radiance_is_emission_and_reflected_irradiance_row_by_row() {
     let scene = mesh("cornell_box");
     for basis in BASES {
-        let (patches, factors) = factors_of(&scene, 400, 64, (basis, StorageKind::Auto));
+        let (patches, factors) = factors_of(&scene, PatchSize::Count(400), 64, (basis, StorageKind::Auto));
         let k = Transport::of(&factors, &patches).unwrap();
         let e = basis.coefficients_of(&patches.emitted_radiance());
         for solution in every_solver(&k, &e) {
@@ -202,7 +193,7 @@ fn reciprocity_holds_to_the_last_bit_and_rows_close() {
     for name in ["two_rooms", "cornell_box"] {
         let scene = mesh(name);
         for kind in kinds() {
-            let (patches, factors) = factors_of(&scene, 500, 64, kind);
+            let (patches, factors) = factors_of(&scene, PatchSize::Count(500), 64, kind);
             let exchange = factors.exchange();
             let each = kind.0.coefficients();
             assert_eq!(exchange.len(), each * patches.len());
@@ -225,7 +216,8 @@ fn reciprocity_holds_to_the_last_bit_and_rows_close() {
 fn dense_and_sparse_hold_the_same_operator() {
     let scene = mesh("two_rooms");
     for basis in BASES {
-        let [dense, sparse] = STORAGES.map(|storage| factors_of(&scene, 500, 64, (basis, storage)).1);
+        let [dense, sparse] =
+            STORAGES.map(|storage| factors_of(&scene, PatchSize::Count(500), 64, (basis, storage)).1);
         let (dense, sparse) = (dense.exchange(), sparse.exchange());
         assert_eq!((dense.storage_name(), sparse.storage_name()), ("dense", "sparse"));
         // Of linear elements a single ray keeps more digits where it is kept as such; closing the rows passes
@@ -288,7 +280,7 @@ fn the_number_of_threads_changes_no_bit() {
     let answer = |threads: usize| {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
             let answer = |kind: (Basis, StorageKind)| {
-                let (patches, factors) = factors_of(&scene, 500, 64, kind);
+                let (patches, factors) = factors_of(&scene, PatchSize::Count(500), 64, kind);
                 let k = Transport::of(&factors, &patches).unwrap();
                 every_solver(&k, &kind.0.coefficients_of(&patches.emitted_radiance())).map(|s| s.radiance)
             };

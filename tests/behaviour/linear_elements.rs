@@ -3,29 +3,21 @@
 use glam::DVec3;
 use nalgebra::DMatrix;
 use radiosity::measure::{Energy, RelativeRms};
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches};
 use radiosity::reference::ReferenceRow;
 use radiosity::scene::{Material, Scene, Side};
-use radiosity::solve::{self, CgOptions, DirectOptions};
+use radiosity::solve::{self, DirectOptions};
 use radiosity::trace::sampling::{Stream, uniform_triangle};
 use radiosity::trace::{Tracer, form_factor_to_triangle};
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
-use crate::scenes::{BASES, quads, room};
+use crate::scenes::{BASES, cut, irradiance, quads, room};
 
 fn factors<'s>(tracer: &Tracer<'s>, edge: f64, rays: u32, basis: Basis) -> (Patches<'s>, FormFactors) {
-    let size = PatchSize::Edge(edge);
-    let mut patches = Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let mut patches = cut(tracer, PatchSize::Edge(edge));
     let options = TraceOptions { rays: Some(rays), basis, ..Default::default() };
     let factors = FormFactors::trace(tracer, &mut patches, &options).unwrap();
     (patches, factors)
-}
-
-/// Irradiance by coefficients.
-fn irradiance(patches: &Patches, factors: &FormFactors) -> DMatrix<f64> {
-    let k = Transport::of(factors, patches).unwrap();
-    let e = factors.basis().coefficients_of(&patches.emitted_radiance());
-    solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap().irradiance
 }
 
 fn reference(name: &str) -> Vec<ReferenceRow> {

@@ -11,12 +11,11 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-use crate::scenes::{load, quads, room};
+use crate::scenes::{cut, cut_into, load, quads, room};
 
 /// Faces as they are, each a patch.
 fn faces<'s>(tracer: &Tracer<'s>) -> Patches<'s> {
-    let size = PatchSize::Edge(1e6);
-    Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap()
+    cut(tracer, PatchSize::Edge(1e6))
 }
 
 fn paths(n: u64) -> Budget {
@@ -156,8 +155,7 @@ fn each_bounce_of_the_cornell_box_meets_its_term_of_the_series_the_better_the_fi
     // Per bounce 1 to 6: relative root mean square over fronts of faces, the noise of paths taken off, and
     // that noise.
     let errors = |count: usize| -> Vec<[f64; 2]> {
-        let size = PatchSize::Count(count);
-        let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+        let mut patches = cut_into(&tracer, count);
         let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
         let k = Transport::of(&factors, &patches).unwrap();
         let terms = solve::bounces(&k, &patches.emitted_radiance(), 5);
@@ -209,8 +207,7 @@ fn russian_roulette_is_unbiased_and_of_finite_variance_where_almost_nothing_is_a
 fn sharing_paths_out_by_variance_does_not_bias_the_mean() {
     let scene = furnace(0.7);
     let tracer = Tracer::new(&scene);
-    let size = PatchSize::Count(200);
-    let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let patches = cut_into(&tracer, 200);
     let tracing = PathTracer::new(&tracer);
     let exact = PI / 0.3;
     let z: Vec<f64> = (0..60)
@@ -273,8 +270,7 @@ fn more_paths_continue_the_same_estimate() {
 fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
     let scene = Scene::cornell_box();
     let tracer = Tracer::new(&scene);
-    let size = PatchSize::Count(200);
-    let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let patches = cut_into(&tracer, 200);
     let on = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let options = PathOptions { budget: paths(30_000), seed, ..Default::default() };

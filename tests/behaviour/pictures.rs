@@ -3,14 +3,14 @@
 use glam::DVec3;
 use nalgebra::DMatrix;
 use radiosity::measure::Undershoot;
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Patches};
 use radiosity::render::{self, Picture, RenderOptions, Shading};
 use radiosity::scene::{Camera, Material, Scene};
 use radiosity::solve;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
-use crate::scenes::{flipped, quads, room};
+use crate::scenes::{cut, cut_into, flipped, quads, room};
 
 const SHADINGS: [Shading; 4] = [Shading::Flat, Shading::Smooth, Shading::Gather, Shading::Path];
 
@@ -32,8 +32,7 @@ fn means(pictures: [&Picture; 2]) -> [[f64; 3]; 2] {
 fn gathered_light_agrees_with_the_patches_and_with_light_paths() {
     let scene = Scene::cornell_box();
     let tracer = Tracer::new(&scene);
-    let size = PatchSize::Count(4000);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let mut patches = cut_into(&tracer, 4000);
     let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
     let k = Transport::of(&factors, &patches).unwrap();
     let radiance =
@@ -55,8 +54,7 @@ fn gathered_light_agrees_with_the_patches_and_with_light_paths() {
 
 /// Patches for a scene and its radiance by coefficients, and how far that falls below zero.
 fn solved<'s>(tracer: &Tracer<'s>, count: usize, basis: Basis) -> (Patches<'s>, DMatrix<f64>, Undershoot) {
-    let size = PatchSize::Count(count);
-    let mut patches = Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let mut patches = cut_into(tracer, count);
     let factors =
         FormFactors::trace(tracer, &mut patches, &TraceOptions { basis, ..Default::default() }).unwrap();
     let k = Transport::of(&factors, &patches).unwrap();
@@ -128,8 +126,7 @@ fn room_with_a_closed_box() -> Scene {
 fn pictures_of_nothing_lit_are_black_and_all_others_are_finite() {
     let scene = room_with_a_closed_box();
     let tracer = Tracer::new(&scene);
-    let size = PatchSize::Edge(0.6);
-    let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let patches = cut(&tracer, PatchSize::Edge(0.6));
     let look = |position: [f64; 3], target: [f64; 3], expected: Seen| {
         let camera = Camera { position: position.into(), target: target.into(), up: DVec3::Y, fov: 90.0 };
         for (shading, [width, height]) in SHADINGS.into_iter().flat_map(|s| [(s, [1, 1]), (s, [7, 5])]) {

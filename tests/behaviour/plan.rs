@@ -1,13 +1,13 @@
 //! The plan: what it foretells against what comes of it.
 
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize, Tessellation};
 use radiosity::scene::{Material, Scene};
 use radiosity::trace::Tracer;
 use radiosity::transport::{
     Cost, Forecast, FormFactors, LightOptions, Plan, Solving, StorageKind, TraceOptions, Work,
 };
 
-use crate::scenes::{mesh, quads, room};
+use crate::scenes::{cut, mesh, quads, room};
 
 fn forecast(tracer: &Tracer, size: PatchSize, trace: &TraceOptions, solving: Solving) -> Forecast {
     let work = Work {
@@ -47,7 +47,7 @@ fn patches_and_bytes_come_out_about_as_foretold() {
         let trace =
             TraceOptions { rays: Some(128), basis, storage: StorageKind::Sparse, ..Default::default() };
         let foretold = forecast(&tracer, size, &trace, Solving::Either);
-        let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+        let mut patches = cut(&tracer, size);
         let factors = FormFactors::trace(&tracer, &mut patches, &trace).unwrap();
         let count = foretold.patches as f64 / patches.len() as f64;
         // Where things pass through each other, the number of patches grows in larger steps.
@@ -68,7 +68,7 @@ fn a_given_edge_and_a_given_solver_have_their_costs() {
     let scene = mesh("furnace_cube");
     let tracer = Tracer::new(&scene);
     let size = PatchSize::Edge(0.1);
-    let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let patches = cut(&tracer, size);
     let trace = TraceOptions { rays: Some(100), ..Default::default() };
     let factored = forecast(&tracer, size, &trace, Solving::Factored);
     assert_eq!((factored.patches, factored.rays), (patches.len(), 104));

@@ -4,12 +4,12 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use radiosity::output::Levels;
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::Basis;
 use radiosity::scene::{Light, Material, Receiver, Sky, SkyKind};
 use radiosity::trace::{Tracer, form_factor_to_triangle};
 use radiosity::transport::{LightOptions, ReceiverRows, Sources};
 
-use crate::scenes::{flipped, lit_quads};
+use crate::scenes::{cut_into, flipped, lit_quads};
 use crate::scratch::Scratch;
 
 /// A square of this half-width at a height, facing up.
@@ -33,8 +33,7 @@ fn under_a_lamp_receivers_see_lamberts_formula() {
     let quads = [(plane(2.0, 0.0), 0), (flipped(plane(0.4, 1.0)), 1)];
     let scene = lit_quads(&quads, materials, vec![], None);
     let tracer = Tracer::new(&scene);
-    let size = PatchSize::Count(300);
-    let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let patches = cut_into(&tracer, 300);
     for basis in [Basis::Constant, Basis::Linear] {
         let emitted = basis.coefficients_of(&patches.emitted_radiance());
         for height in [0.2, 0.7, 0.95] {
@@ -65,8 +64,7 @@ fn lights_without_area_reach_receivers_and_lit_ground_shines_back() {
     let lamp = Light::Point { position: light, intensity: vec![30.0] };
     let scene = lit_quads(&[(plane(1.0, 0.0), 0)], materials, vec![lamp], Some(sky));
     let tracer = Tracer::new(&scene);
-    let size = PatchSize::Count(500);
-    let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let patches = cut_into(&tracer, 500);
     let options = LightOptions { rays: 4096, ..Default::default() };
     let sources = Sources::trace(&tracer, &patches, Basis::Constant, &options).unwrap();
     // The ground reflects half of what arrives, and sees nothing but the sky.

@@ -2,16 +2,16 @@
 
 use std::io::Cursor;
 
+use nalgebra::DMatrix;
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Material, Scene, SceneParts};
-use radiosity::solve::{self, CgOptions};
 use radiosity::trace::Tracer;
 use radiosity::trace::sampling::Stream;
 use radiosity::transport::{
-    FactorsFileError, FormFactors, Keep, Reuse, StorageKind, TraceOptions, Transport, TransportError,
+    FactorsFileError, FormFactors, Keep, Reuse, StorageKind, TraceOptions, TransportError,
 };
 
-use crate::scenes::{quads, room};
+use crate::scenes::{irradiance, quads, room};
 
 /// A room with two lamps that may be on or off, and a divider that is lit on both sides.
 fn scene(lamps: [f64; 2], rho: f64) -> Scene {
@@ -48,18 +48,11 @@ fn saved(scene: &Scene, storage: StorageKind) -> Vec<u8> {
 }
 
 /// Irradiance of every patch, and how much of `file` could be used.
-fn solved_with(file: &[u8], scene: &Scene) -> (Vec<f64>, Reuse) {
+fn solved_with(file: &[u8], scene: &Scene) -> (DMatrix<f64>, Reuse) {
     let tracer = Tracer::new(scene);
     let (patches, factors, reuse) =
         FormFactors::load(&mut Cursor::new(file), &tracer, &cut(), StorageKind::Auto, Keep::Nothing).unwrap();
     (irradiance(&patches, &factors), reuse)
-}
-
-fn irradiance(patches: &Patches, factors: &FormFactors) -> Vec<f64> {
-    let k = Transport::of(factors, patches).unwrap();
-    let e = factors.basis().coefficients_of(&patches.emitted_radiance());
-    let solution = solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap();
-    solution.irradiance.as_slice().to_vec()
 }
 
 #[test]
@@ -77,7 +70,7 @@ fn nothing_is_traced_again_for_other_powers_and_reflectances() {
                 assert_eq!(reused, fresh, "the same bits");
             }
             // Powers guide where light sampling looks, so that other ones come with other noise.
-            let mean = |h: &[f64]| h.iter().sum::<f64>() / h.len() as f64;
+            let mean = |h: &DMatrix<f64>| h.iter().sum::<f64>() / h.len() as f64;
             assert!(reused.len() == fresh.len() && (mean(&reused) / mean(&fresh) - 1.0).abs() < 0.01);
         }
         assert!(solved_with(&file, &before).1.balanced);

@@ -113,6 +113,23 @@ pub fn traced<'s>(scene: &'s Scene, size: PatchSize, options: &TraceOptions) -> 
     (patches, factors)
 }
 
+/// The same by this many rays per patch for elements of one kind.
+pub fn factors_of<'s>(
+    scene: &'s Scene,
+    size: PatchSize,
+    rays: u32,
+    (basis, storage): (Basis, StorageKind),
+) -> (Patches<'s>, FormFactors) {
+    traced(scene, size, &TraceOptions { rays: Some(rays), basis, storage, ..Default::default() })
+}
+
+/// Irradiance under the scene's lamps, by coefficients.
+pub fn irradiance(patches: &Patches, factors: &FormFactors) -> DMatrix<f64> {
+    let k = Transport::of(factors, patches).unwrap();
+    let e = factors.basis().coefficients_of(&patches.emitted_radiance());
+    solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap().irradiance
+}
+
 /// The direct solver's answer.
 pub fn direct(k: &Transport, e: &DMatrix<f64>) -> Solution {
     solve::direct(k, &DirectOptions::default()).unwrap().solve(e)

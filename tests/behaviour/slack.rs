@@ -13,7 +13,7 @@ use radiosity::transport::{
     Exchange, FormFactors, Keep, LightOptions, Mass, Storage, StorageKind, TraceOptions, Transport,
 };
 
-use crate::scenes::{quads, room};
+use crate::scenes::{cut, quads, room, traced};
 
 /// A room with a lamp below its ceiling, the only faces of the second scene; the first has a flat closed box
 /// 20 m away, whose floor is there twice, in one plane.
@@ -39,8 +39,7 @@ fn beside_a_pocket() -> [Scene; 2] {
 fn a_room_beside_a_pocket_that_cannot_close_is_as_it_is_alone() {
     let answers = beside_a_pocket().map(|scene| {
         let tracer = Tracer::new(&scene);
-        let size = PatchSize::Edge(0.35);
-        let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+        let mut patches = cut(&tracer, PatchSize::Edge(0.35));
         let options = TraceOptions { rays: Some(128), keep: Keep::Rays, ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
         assert!(factors.exchange().closure_error() < 1e-12 && factors.exchange().closure().iterations < 300);
@@ -73,14 +72,15 @@ fn a_room_beside_a_pocket_that_cannot_close_is_as_it_is_alone() {
 fn saved_form_factors_keep_their_slack() {
     let [scene, _] = beside_a_pocket();
     let tracer = Tracer::new(&scene);
-    let cut = Tessellation { size: PatchSize::Edge(0.8), ..Default::default() };
-    let mut patches = Patches::new(&tracer, &cut).unwrap();
+    let tessellation = Tessellation { size: PatchSize::Edge(0.8), ..Default::default() };
+    let mut patches = Patches::new(&tracer, &tessellation).unwrap();
     let options = TraceOptions { rays: Some(64), keep: Keep::Rays, ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
     let mut file = Vec::new();
     factors.save(&patches, &mut file).unwrap();
     let (_, read, reuse) =
-        FormFactors::load(&mut Cursor::new(&file), &tracer, &cut, StorageKind::Auto, Keep::Nothing).unwrap();
+        FormFactors::load(&mut Cursor::new(&file), &tracer, &tessellation, StorageKind::Auto, Keep::Nothing)
+            .unwrap();
     assert!(reuse.balanced);
     assert_eq!(read.exchange().slack(), factors.exchange().slack());
     assert_eq!(read.exchange().closure(), factors.exchange().closure());
@@ -95,10 +95,7 @@ fn cube() -> Scene {
 
 /// Exact form factors of a cube's patches.
 fn exact(scene: &Scene) -> (Patches<'_>, FormFactors) {
-    let tracer = Tracer::new(scene);
-    let size = PatchSize::Edge(0.2);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
-    let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
+    let (patches, factors) = traced(scene, PatchSize::Edge(0.2), &TraceOptions::default());
     assert!(factors.rays() == 0 && factors.exchange().slack().amax() == 0.0);
     (patches, factors)
 }

@@ -12,21 +12,12 @@ use radiosity::measure::Energy;
 use radiosity::patches::{Basis, PatchSize, Patches};
 use radiosity::scene::{Material, Scene};
 use radiosity::solve::{self, Certainty, CgOptions, NeumannOptions, Solution};
-use radiosity::transport::{FormFactors, StorageKind, TraceOptions, Transport};
+use radiosity::transport::{FormFactors, StorageKind, Transport};
 
-use crate::scenes::{Quad, direct, kinds, quads, room, traced};
+use crate::scenes::{Quad, direct, factors_of, kinds, quads, room};
 
 fn factors<'s>(scene: &'s Scene, size: PatchSize, storage: StorageKind) -> (Patches<'s>, FormFactors) {
     factors_of(scene, size, 64, (Basis::Constant, storage))
-}
-
-fn factors_of<'s>(
-    scene: &'s Scene,
-    size: PatchSize,
-    rays: u32,
-    (basis, storage): (Basis, StorageKind),
-) -> (Patches<'s>, FormFactors) {
-    traced(scene, size, &TraceOptions { rays: Some(rays), basis, storage, ..Default::default() })
 }
 
 fn iterative(k: &Transport, e: &DMatrix<f64>) -> [Solution; 2] {

@@ -7,8 +7,8 @@ use radiosity::scene::{Material, Scene};
 use radiosity::solve::{self, CgOptions, NeumannOptions};
 use radiosity::transport::{StorageKind, Transport};
 
-use super::{factors, factors_of, iterative, lit_room};
-use crate::scenes::{Quad, STORAGES, direct, kinds, quads, room};
+use super::{factors, iterative, lit_room};
+use crate::scenes::{Quad, STORAGES, direct, factors_of, kinds, quads, room};
 
 /// A room whose walls are strips of widths from 1e-5 to 1: slivers of aspect 10⁵ beside large faces,
 /// T-junctions at every corner.

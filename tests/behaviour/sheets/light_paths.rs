@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use radiosity::measure::ErrorBars;
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize};
 use radiosity::progress::Progress;
 use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::render::{self, RenderOptions, Shading};
@@ -12,7 +12,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, Transport};
 
 use super::{around, factors, gauze, paper};
-use crate::scenes::BASES;
+use crate::scenes::{BASES, cut_into};
 
 #[test]
 fn light_paths_through_sheets_agree_with_the_matrix() {
@@ -20,8 +20,7 @@ fn light_paths_through_sheets_agree_with_the_matrix() {
         let scene = around(wall);
         let tracer = Tracer::new(&scene);
         for basis in BASES {
-            let size = PatchSize::Count(2000);
-            let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+            let mut patches = cut_into(&tracer, 2000);
             let options = TraceOptions { rays: Some(512), basis, keep: Keep::Rays, ..Default::default() };
             let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
             let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();

@@ -2,14 +2,14 @@
 
 use nalgebra::DMatrix;
 use radiosity::measure::Energy;
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize};
 use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, StorageKind, TraceOptions, Transport};
 
 use super::{around, every_solver, factors, gauze, paper};
-use crate::scenes::difference;
+use crate::scenes::{cut_into, difference};
 
 #[test]
 fn bounds_hold_through_sheets() {
@@ -49,8 +49,7 @@ fn every_solver_finds_the_same_light_through_sheets_and_none_of_it_is_lost() {
             (Basis::Linear, StorageKind::Auto),
         ] {
             let tracer = Tracer::new(&scene);
-            let size = PatchSize::Count(500);
-            let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+            let mut patches = cut_into(&tracer, 500);
             let options = TraceOptions { rays: Some(128), basis, storage, ..Default::default() };
             let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
             let k = Transport::of(&factors, &patches).unwrap();

@@ -11,7 +11,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
 use super::walls;
-use crate::scenes::{BASES, flipped, quads, room};
+use crate::scenes::{BASES, cut_into, flipped, quads, room};
 
 /// Radiance of lamps, W·sr⁻¹·m⁻².
 const LAMP: f64 = 30.0;
@@ -74,8 +74,7 @@ fn ball_lamp() -> Vec<[DVec3; 3]> {
 /// Irradiance by face; the energy must balance.
 fn irradiance(scene: &Scene, basis: Basis, [rays, lamp_rays]: [u32; 2], seed: u64) -> Vec<FaceRow> {
     let tracer = Tracer::new(scene);
-    let size = PatchSize::Count(600);
-    let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let mut patches = cut_into(&tracer, 600);
     let options =
         TraceOptions { rays: Some(rays), lamp_rays: Some(lamp_rays), basis, seed, ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use radiosity::measure::Energy;
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::Basis;
 use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::scene::{Light, Material, Scene};
 use radiosity::solve::Problem;
@@ -12,7 +12,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
 use super::walls;
-use crate::scenes::{BASES, flipped, lit_quads};
+use crate::scenes::{BASES, cut_into, flipped, lit_quads};
 use crate::scratch::Scratch;
 
 /// The room with a light of 1 W·sr⁻¹.
@@ -36,8 +36,7 @@ fn a_light_on_a_surface_sends_all_its_light_into_the_room() {
     for (position, _) in ON_SURFACES {
         let scene = room_with_light(position);
         let tracer = Tracer::new(&scene);
-        let size = PatchSize::Count(400);
-        let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+        let mut patches = cut_into(&tracer, 400);
         for basis in BASES {
             let options = TraceOptions { rays: Some(64), basis, ..Default::default() };
             let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
@@ -58,8 +57,7 @@ fn a_spot_on_a_ceiling_sends_what_its_cone_holds_wherever_it_points() {
         let flux = light.flux().unwrap()[0];
         let scene = lit_quads(&walls(), vec![Material::diffuse("grey", &[0.5])], vec![light], None);
         let tracer = Tracer::new(&scene);
-        let size = PatchSize::Count(400);
-        let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+        let patches = cut_into(&tracer, 400);
         for basis in BASES {
             let sources = Sources::trace(&tracer, &patches, basis, &LightOptions::default()).unwrap();
             let direct = basis.means(&sources.direct.unwrap());
@@ -98,8 +96,7 @@ fn a_light_beside_a_surface_in_its_plane_neither_loses_light_nor_is_moved() {
     let scene = lit_quads(&all, vec![Material::diffuse("grey", &[0.5])], vec![light.clone()], None);
     assert!(scene.warnings().is_empty() && scene.lights().eq([&light]));
     let tracer = Tracer::new(&scene);
-    let size = PatchSize::Count(400);
-    let patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let patches = cut_into(&tracer, 400);
     let sources =
         Sources::trace(&tracer, &patches, Basis::Constant, &LightOptions::default()).unwrap().direct.unwrap();
     let flux: f64 = (0..patches.len()).map(|i| patches.area(i) * sources[i]).sum();
@@ -113,8 +110,7 @@ fn the_path_tracer_finds_the_spot_of_a_light_on_a_surface() {
     for (position, touched) in ON_SURFACES {
         let scene = room_with_light(position);
         let tracer = Tracer::new(&scene);
-        let size = PatchSize::Count(2000);
-        let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+        let mut patches = cut_into(&tracer, 2000);
         let options = TraceOptions { rays: Some(256), ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
         let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();

@@ -6,13 +6,13 @@ mod files; // image files, coordinates, what is missing
 mod pictures; // renderings show textures in full
 
 use glam::{DVec2, DVec3};
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, Patches};
 use radiosity::scene::{Face, FaceState, Material, Pixels, Scene, SceneParts, Texture};
 use radiosity::solve;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
-use crate::scenes::room;
+use crate::scenes::{cut_into, room};
 
 /// A picture whose channels vary each in its own way, between `low` and 1.
 fn pattern(low: f32) -> Texture {
@@ -69,8 +69,7 @@ struct Case<'s> {
 }
 
 fn case<'s>(tracer: &Tracer<'s>, count: usize, basis: Basis) -> Case<'s> {
-    let size = PatchSize::Count(count);
-    let mut patches = Patches::new(tracer, &Tessellation { size, ..Default::default() }).unwrap();
+    let mut patches = cut_into(tracer, count);
     let options = TraceOptions { basis, ..Default::default() };
     let factors = FormFactors::trace(tracer, &mut patches, &options).unwrap();
     Case { patches, factors }

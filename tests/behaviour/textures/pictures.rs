@@ -2,12 +2,13 @@
 
 use glam::{DVec2, DVec3};
 use nalgebra::DMatrix;
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, PatchSize};
 use radiosity::render::{self, Picture, RenderOptions, Shading, Surfaces};
 use radiosity::scene::Camera;
 use radiosity::trace::Tracer;
 
 use super::{case, gallery};
+use crate::scenes::cut;
 
 /// The floor from above.
 fn from_above() -> Camera {
@@ -56,8 +57,7 @@ fn every_way_of_shading_shows_the_picture_under_the_light() {
 fn even_light_on_a_picture_shows_the_picture() {
     let scene = gallery();
     let tracer = Tracer::new(&scene);
-    let patches =
-        Patches::new(&tracer, &Tessellation { size: PatchSize::Edge(0.5), ..Default::default() }).unwrap();
+    let patches = cut(&tracer, PatchSize::Edge(0.5));
     // Under H = π everywhere, L = Lₑ + ρ.
     let radiance: DMatrix<f64> = patches.emitted_radiance() + patches.reflectances();
     let camera = Camera {

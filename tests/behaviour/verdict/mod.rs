@@ -10,13 +10,13 @@ mod wording; // a reason in one line
 
 use nalgebra::{DMatrix, DVector};
 use radiosity::measure::{Answer, Cause, Energy, ErrorBudget, Level, Reason, Verdict};
-use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::patches::{Basis, Patches};
 use radiosity::scene::{Material, Scene};
 use radiosity::solve::{Method, Problem, Solution, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{Exchange, FormFactors, Keep, LightOptions, Sources, Storage, TraceOptions};
 
-use crate::scenes::{quads, room};
+use crate::scenes::{cut_into, quads, room};
 
 /// An answer and all that it was made from; tests damage one of them at a time.
 struct Case<'s> {
@@ -32,8 +32,7 @@ struct Case<'s> {
 impl<'s> Case<'s> {
     fn new(scene: &'s Scene, patches: usize, rays: u32, basis: Basis) -> Self {
         let tracer = Tracer::new(scene);
-        let size = PatchSize::Count(patches);
-        let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
+        let mut patches = cut_into(&tracer, patches);
         let options = TraceOptions { rays: Some(rays), basis, keep: Keep::Rays, ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
         let light = LightOptions { rays, ..Default::default() };
