@@ -8,7 +8,7 @@ use glam::DVec3;
 use radiosity::measure::{Energy, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
-use radiosity::reference::{Budget, PathOptions, PathTracer, ReferenceRow};
+use radiosity::reference::{PathTracer, ReferenceRow};
 use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Material, Scene};
 use radiosity::solve::{self, DirectOptions, SolveOptions};
@@ -17,7 +17,7 @@ use radiosity::transport::{
     FactorsFileError, FormFactors, Keep, Plan, StorageKind, TraceOptions, Transport, TransportError,
 };
 
-use crate::scenes::{BASES, cut, facing, flipped, load, quads, room};
+use crate::scenes::{BASES, cut, facing, flipped, load, paths, quads, room};
 use crate::scratch::Scratch;
 
 /// A closed cube that glows and reflects half, with a box of the second material in its middle.
@@ -51,11 +51,7 @@ fn a_furnace_stays_a_furnace_around_mirrors_and_glass_that_absorb_nothing() {
         }
         // And by the path tracer's own route.
         let patches = cut(&tracer, PatchSize::Count(100));
-        let options = PathOptions {
-            budget: Budget { paths: Some(200_000), ..Budget::default() },
-            ..Default::default()
-        };
-        let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
+        let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(200_000)).unwrap();
         let (mut mean, mut variance, mut area) = (0.0, 0.0, 0.0);
         for i in 0..traced.len() {
             let irradiance = traced.irradiance(i, 0);

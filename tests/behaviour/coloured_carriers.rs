@@ -5,7 +5,7 @@ use std::io::Cursor;
 use nalgebra::DMatrix;
 use radiosity::measure::Energy;
 use radiosity::patches::{Basis, PatchSize, Patches, Reach, Tessellation};
-use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::reference::PathTracer;
 use radiosity::scene::{Material, Receiver, Scene};
 use radiosity::solve::{self, Method, SolveOptions};
 use radiosity::trace::Tracer;
@@ -13,7 +13,7 @@ use radiosity::transport::{
     FormFactors, Keep, LightOptions, ReceiverRows, StorageKind, TraceOptions, Transport, TransportError,
 };
 
-use crate::scenes::{BASES, cut_into as cut, flipped, quads, room};
+use crate::scenes::{BASES, cut_into as cut, flipped, paths, quads, room};
 
 /// A closed room with a wall of this material and a lamp under the ceiling; grey all over but for that wall.
 fn room_with(wall: Material) -> Scene {
@@ -53,10 +53,7 @@ fn every_channel_agrees_with_light_paths_in_a_room_of_coloured_mirrors_or_metal(
             let [direct, series] = [Method::Direct, Method::Neumann].map(by);
             let apart = (&direct.radiance - &series.radiance).amax() / direct.radiance.amax();
             assert!(apart < 1e-7 && direct.report.bound < 1e-9, "{apart} {:?}", direct.report);
-            let budget = Budget { paths: Some(400_000), ..Budget::default() };
-            let traced = PathTracer::new(&tracer)
-                .irradiance(&patches, &PathOptions { budget, ..Default::default() })
-                .unwrap();
+            let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(400_000)).unwrap();
             let irradiance = solution.means().irradiance;
             // Channel by channel: the mean of their colours would be off by more than a tenth.
             for c in 0..3 {

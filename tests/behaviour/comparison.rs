@@ -3,13 +3,13 @@
 use nalgebra::DMatrix;
 use radiosity::measure::{Agreement, Comparison, Difference, MeshError, OrderOptions, OrderRow};
 use radiosity::patches::{PatchSize, Patches, Tessellation};
-use radiosity::reference::{Budget, PathOptions, PathTraced, PathTracer};
+use radiosity::reference::{PathOptions, PathTraced, PathTracer};
 use radiosity::scene::Scene;
 use radiosity::solve::{self, Amplification, CgOptions, Problem};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
-use crate::scenes::mesh;
+use crate::scenes::{mesh, paths};
 
 /// Everything that is compared.
 struct Case<'s> {
@@ -20,15 +20,14 @@ struct Case<'s> {
 }
 
 impl<'s> Case<'s> {
-    fn new(scene: &'s Scene, count: usize, paths: u64, seed: u64) -> Self {
+    fn new(scene: &'s Scene, count: usize, light_paths: u64, seed: u64) -> Self {
         let tracer = Tracer::new(scene);
         let tessellation = Tessellation { size: PatchSize::Count(count), seed, ..Default::default() };
         let trace = TraceOptions { seed, ..Default::default() };
         let mut patches = Patches::new(&tracer, &tessellation).unwrap();
         let factors = FormFactors::trace(&tracer, &mut patches, &trace).unwrap();
         let mesh = MeshError::estimate(&tracer, &patches, &factors, &tessellation, &trace).unwrap();
-        let budget = Budget { paths: Some(paths), ..Budget::default() };
-        let options = PathOptions { budget, seed, ..Default::default() };
+        let options = PathOptions { seed, ..paths(light_paths) };
         let reference = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
         Self { patches, factors, mesh, reference }
     }

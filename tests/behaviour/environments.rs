@@ -9,14 +9,14 @@ use image::{ImageFormat, Rgb, Rgb32FImage};
 use nalgebra::DMatrix;
 use radiosity::measure::{Difference, Energy};
 use radiosity::patches::{Basis, PatchSize, Patches};
-use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::reference::{PathOptions, PathTracer};
 use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Environment, Light, Material, Pixels, Scene, Sky, SkyKind, luminance};
 use radiosity::solve::Problem;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
-use crate::scenes::{cut, cut_into, lit_quads, room};
+use crate::scenes::{cut, cut_into, lit_quads, paths, room};
 use crate::scratch::Scratch;
 
 /// Ground, and on it a block without a bottom.
@@ -124,8 +124,7 @@ fn light_paths_that_draw_from_the_picture_themselves_agree() {
     let tracer = Tracer::new(&scene);
     let (solved, imbalance) = solved(&tracer, 3000);
     assert!(imbalance < 1e-5, "{imbalance}");
-    let budget = Budget { paths: Some(600_000), ..Default::default() };
-    let options = PathOptions { budget, seed: 5, ..Default::default() };
+    let options = PathOptions { seed: 5, ..paths(600_000) };
     let truth = PathTracer::new(&tracer).irradiance(&solved.patches, &options).unwrap();
     let difference = Difference::new(&solved.irradiance, &truth);
     assert!(difference.bias.abs() < 0.001 + 3.0 * difference.bias_error, "{difference:?}");

@@ -6,13 +6,13 @@ use radiosity::measure::{
 };
 use radiosity::patches::{Basis, FaceRow, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
-use radiosity::reference::{Budget, PathOptions, PathTracer, ReferenceRow};
+use radiosity::reference::{PathTracer, ReferenceRow};
 use radiosity::scene::{Material, Scene};
 use radiosity::solve::{CgOptions, Problem, Solution};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, TransportError};
 
-use crate::scenes::{cut_into, flipped, quads, room};
+use crate::scenes::{cut_into, flipped, paths, quads, room};
 
 /// An answer with its error bars.
 struct Answer {
@@ -165,9 +165,7 @@ fn a_lamp_close_to_large_patches_loses_no_light_and_its_bounds_hold() {
         let tracer = Tracer::new(&scene);
         let size = PatchSize::Edge(100.0);
         let whole_faces = Patches::new(&tracer, &Tessellation { size, ..Default::default() }).unwrap();
-        let budget = Budget { paths: Some(2_000_000), ..Default::default() };
-        let options = PathOptions { budget, ..Default::default() };
-        let traced = PathTracer::new(&tracer).irradiance(&whole_faces, &options).unwrap();
+        let traced = PathTracer::new(&tracer).irradiance(&whole_faces, &paths(2_000_000)).unwrap();
         let reference = traced.by_face(&whole_faces);
         let Answer { faces, bars } = answer(&tracer, count, 128, 1, Basis::Constant);
         let rms = RelativeRms::of(&faces, &reference);

@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 use radiosity::measure::{Difference, Energy};
 use radiosity::patches::{PatchSize, Tessellation};
-use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::reference::PathTracer;
 use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Material, Scene};
 use radiosity::solve::{self, DirectOptions, SolveOptions};
@@ -14,7 +14,7 @@ use radiosity::transport::{
     FactorsFileError, FormFactors, Keep, Plan, StorageKind, TraceOptions, Transport, TransportError,
 };
 
-use crate::scenes::{BASES, cut, flipped, quads, room};
+use crate::scenes::{BASES, cut, flipped, paths, quads, room};
 
 /// A closed cube that glows and reflects half, with a block of this material in it, and a floor of it.
 pub(crate) fn furnace_with(metal: Material) -> Scene {
@@ -22,10 +22,6 @@ pub(crate) fn furnace_with(metal: Material) -> Scene {
     walls[1].1 = 1;
     let block = room([0.3, 0.35, 0.25], [0.7, 0.6, 0.65]).map(|quad| (flipped(quad), 1));
     quads(&[walls, block].concat(), vec![Material::lamp("wall", &[0.5], &[1.0]), metal])
-}
-
-pub(crate) fn paths(count: u64) -> PathOptions<'static> {
-    PathOptions { budget: Budget { paths: Some(count), ..Budget::default() }, ..Default::default() }
 }
 
 #[test]

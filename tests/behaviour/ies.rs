@@ -5,14 +5,14 @@ use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 use radiosity::measure::{Difference, Energy};
 use radiosity::patches::{Basis, PatchSize};
-use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::reference::PathTracer;
 use radiosity::scene::{IntensityTable, Light, Material, Receiver, Scene};
 use radiosity::solve::Problem;
 use radiosity::trace::Tracer;
 use radiosity::trace::sampling::Stream;
 use radiosity::transport::{FormFactors, LightOptions, ReceiverRows, Sources, TraceOptions};
 
-use crate::scenes::{cut, cut_into, lit_quads, room};
+use crate::scenes::{cut, cut_into, lit_quads, paths, room};
 use crate::scratch::Scratch;
 
 const FILES: [&str; 4] = ["downlight", "batwing", "wallwasher", "lopsided"];
@@ -168,9 +168,7 @@ fn light_paths_and_energy_agree_under_luminaires() {
     // A closed room gets all that luminaires send.
     let sent = (table("wallwasher").flux() + table("batwing").flux()) / EFFICACY;
     assert!((energy.emitted[0] / sent - 1.0).abs() < 1e-3, "{} {sent}", energy.emitted[0]);
-    let budget = Budget { paths: Some(200_000), ..Default::default() };
-    let truth =
-        PathTracer::new(&tracer).irradiance(&patches, &PathOptions { budget, ..Default::default() }).unwrap();
+    let truth = PathTracer::new(&tracer).irradiance(&patches, &paths(200_000)).unwrap();
     let difference = Difference::new(&solution.irradiance, &truth);
     assert!(
         difference.rms < 0.01 && difference.bias.abs() < 0.001 + 3.0 * difference.bias_error,

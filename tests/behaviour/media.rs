@@ -7,13 +7,13 @@ use glam::DVec3;
 use radiosity::measure::{Difference, Energy};
 use radiosity::patches::PatchSize;
 use radiosity::progress::Progress;
-use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::reference::PathTracer;
 use radiosity::scene::{Material, Scene};
 use radiosity::solve::{self, DirectOptions, SolveOptions};
 use radiosity::trace::{Hit, Ray, Scattered, Tracer};
 use radiosity::transport::{FormFactors, Keep, TraceOptions, Transport};
 
-use crate::scenes::{BASES, cut, flipped, quads, room};
+use crate::scenes::{BASES, cut, flipped, paths, quads, room};
 
 const WATER: f64 = 1.33;
 const GLASS: f64 = 1.5;
@@ -200,9 +200,7 @@ fn the_matrix_agrees_with_light_paths_where_a_lamp_and_walls_are_in_glass_in_wat
     let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
     let k = Transport::of(&factors, &patches).unwrap();
     let solution = solve::solve(&k, &patches.emitted_radiance(), &SolveOptions::default()).unwrap();
-    let options =
-        PathOptions { budget: Budget { paths: Some(4_000_000), ..Budget::default() }, ..Default::default() };
-    let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
+    let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(4_000_000)).unwrap();
     let difference = Difference::new(&solution.irradiance, &traced);
     assert!(difference.bias.abs() < 0.005 + 3.0 * difference.bias_error, "{difference:?}");
     assert!(difference.rms < 0.04 + 2.0 * difference.uncertainty, "{difference:?}");

@@ -11,15 +11,11 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-use crate::scenes::{cut, cut_into, load, quads, room};
+use crate::scenes::{cut, cut_into, load, paths, quads, room};
 
 /// Faces as they are, each a patch.
 fn faces<'s>(tracer: &Tracer<'s>) -> Patches<'s> {
     cut(tracer, PatchSize::Edge(1e6))
-}
-
-fn paths(n: u64) -> Budget {
-    Budget { paths: Some(n), ..Budget::default() }
 }
 
 /// A closed cube in which everything reflects ρ and emits 1.
@@ -109,8 +105,7 @@ fn each_bounce_of_a_furnace_has_its_closed_form() {
         let scene = furnace(rho);
         let tracer = Tracer::new(&scene);
         let patches = faces(&tracer);
-        let options = PathOptions { budget: paths(400_000), ..Default::default() };
-        let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
+        let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(400_000)).unwrap();
         let limit = three_sigma(7);
         let judge = |what: &str, found: Estimate, exact: f64| {
             let z = (found.mean - exact) / found.standard_error;
@@ -134,7 +129,7 @@ fn bounces_add_up_to_the_whole() {
     let tracer = Tracer::new(&scene);
     let patches = faces(&tracer);
     let traced = |longest| {
-        let options = PathOptions { budget: paths(2_000), bounces: 4, longest, ..Default::default() };
+        let options = PathOptions { bounces: 4, longest, ..paths(2_000) };
         PathTracer::new(&tracer).irradiance(&patches, &options).unwrap()
     };
     let cut = traced(Some(3));
@@ -150,8 +145,7 @@ fn each_bounce_of_the_cornell_box_meets_its_term_of_the_series_the_better_the_fi
     let scene = Scene::cornell_box();
     let tracer = Tracer::new(&scene);
     let coarse = faces(&tracer);
-    let options = PathOptions { budget: paths(1_000_000), ..Default::default() };
-    let traced = PathTracer::new(&tracer).irradiance(&coarse, &options).unwrap();
+    let traced = PathTracer::new(&tracer).irradiance(&coarse, &paths(1_000_000)).unwrap();
     // Per bounce 1 to 6: relative root mean square over fronts of faces, the noise of paths taken off, and
     // that noise.
     let errors = |count: usize| -> Vec<[f64; 2]> {
@@ -192,10 +186,10 @@ fn russian_roulette_is_unbiased_and_of_finite_variance_where_almost_nothing_is_a
     let patches = faces(&tracer);
     let tracing = PathTracer::new(&tracer);
     let whole = |traced: &PathTraced| over_all(traced, |i| traced.irradiance(i, 0));
-    let options = PathOptions { budget: paths(20_000), ..Default::default() };
+    let options = paths(20_000);
     let mut traced = tracing.irradiance(&patches, &options).unwrap();
     let few = whole(&traced).standard_error;
-    tracing.refine(&patches, &mut traced, &PathOptions { budget: paths(300_000), ..options }).unwrap();
+    tracing.refine(&patches, &mut traced, &PathOptions { budget: paths(300_000).budget, ..options }).unwrap();
     let many = whole(&traced);
     let z = (many.mean - PI / 0.02) / many.standard_error;
     assert!(z.abs() < 3.0 && many.standard_error < 0.01 * many.mean, "{many:?}: {z}");
@@ -212,8 +206,7 @@ fn sharing_paths_out_by_variance_does_not_bias_the_mean() {
     let exact = PI / 0.3;
     let z: Vec<f64> = (0..60)
         .map(|seed| {
-            let options =
-                PathOptions { budget: paths(256 * patches.len() as u64), seed, ..Default::default() };
+            let options = PathOptions { seed, ..paths(256 * patches.len() as u64) };
             let traced = tracing.irradiance(&patches, &options).unwrap();
             let found = over_all(&traced, |i| traced.irradiance(i, 0));
             (found.mean - exact) / found.standard_error
@@ -230,8 +223,7 @@ fn patches_that_vary_more_get_more_paths() {
     let scene = Scene::cornell_box();
     let tracer = Tracer::new(&scene);
     let patches = faces(&tracer);
-    let options = PathOptions { budget: paths(200_000), ..Default::default() };
-    let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
+    let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(200_000)).unwrap();
     // What a patch adds to the error of the whole, per path, is √A σ = √A se √n.
     let worth = |i: usize| {
         let error: f64 = (0..3).map(|c| traced.irradiance(i, c).standard_error.powi(2)).sum();
@@ -273,7 +265,7 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
     let patches = cut_into(&tracer, 200);
     let on = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let options = PathOptions { budget: paths(30_000), seed, ..Default::default() };
+        let options = PathOptions { seed, ..paths(30_000) };
         pool.install(|| PathTracer::new(&tracer).irradiance(&patches, &options)).unwrap().means()
     };
     assert_eq!(on(1, 3), on(3, 3));
@@ -290,7 +282,7 @@ fn no_budget_is_an_error_and_no_light_is_none() {
     let tracing = PathTracer::new(&tracer);
     let zero = |x| Budget { standard_error: Some(x), ..Budget::default() };
     let time = |x| Budget { seconds: Some(x), ..Budget::default() };
-    for budget in [Budget::default(), paths(0), zero(0.0), zero(-1.0), zero(f64::NAN), time(0.0)] {
+    for budget in [Budget::default(), paths(0).budget, zero(0.0), zero(-1.0), zero(f64::NAN), time(0.0)] {
         let refused = tracing.irradiance(&patches, &PathOptions { budget, ..Default::default() });
         assert!(matches!(refused, Err(PathError::Budget)), "{budget:?}");
     }

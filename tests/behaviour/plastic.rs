@@ -16,8 +16,8 @@ use radiosity::transport::{
     Switches, TraceOptions, Transport, TransportError, Work,
 };
 
-use crate::gloss::{difference_in_a_room, furnace_with, paths};
-use crate::scenes::{BASES, cut, lit_quads, quads, room};
+use crate::gloss::{difference_in_a_room, furnace_with};
+use crate::scenes::{BASES, cut, lit_quads, paths, quads, room};
 use crate::scratch::Scratch;
 
 /// Coats by roughness and index.

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use nalgebra::DMatrix;
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
+use radiosity::reference::{Budget, PathOptions};
 use radiosity::scene::{Face, FaceState, Light, Material, Scene, SceneParts, Sky, SkyKind};
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Solution};
 use radiosity::trace::Tracer;
@@ -128,6 +129,11 @@ pub fn irradiance(patches: &Patches, factors: &FormFactors) -> DMatrix<f64> {
     let k = Transport::of(factors, patches).unwrap();
     let e = factors.basis().coefficients_of(&patches.emitted_radiance());
     solve::conjugate_gradients(&k, &e, &CgOptions::default()).unwrap().irradiance
+}
+
+/// As many light paths.
+pub fn paths(count: u64) -> PathOptions<'static> {
+    PathOptions { budget: Budget { paths: Some(count), ..Default::default() }, ..Default::default() }
 }
 
 /// The direct solver's answer.

@@ -5,14 +5,14 @@ use glam::DVec3;
 use radiosity::measure::Energy;
 use radiosity::patches::{Basis, PatchSize};
 use radiosity::progress::Progress;
-use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::reference::PathTracer;
 use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Light, Material, Scene, Sky, SkyKind, Surface};
 use radiosity::solve::{self, Problem, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, Plan, Sources, TraceOptions, Transport};
 
-use crate::scenes::{BASES, cut, flipped, lit_quads, quads, room, square};
+use crate::scenes::{BASES, cut, flipped, lit_quads, paths, quads, room, square};
 use crate::scratch::Scratch;
 
 #[test]
@@ -82,15 +82,7 @@ fn lights_shine_through_a_sheet_dimmed_as_it_passes_light() {
         let tracer = Tracer::new(&scene);
         let patches = cut(&tracer, PatchSize::Edge(1.0));
         let sources = Sources::trace(&tracer, &patches, Basis::Constant, &LightOptions::default()).unwrap();
-        let traced = PathTracer::new(&tracer)
-            .irradiance(
-                &patches,
-                &PathOptions {
-                    budget: Budget { paths: Some(100), ..Budget::default() },
-                    ..Default::default()
-                },
-            )
-            .unwrap();
+        let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(100)).unwrap();
         let direct = sources.direct.unwrap();
         [0, 1, 2].map(|c| {
             [
@@ -133,10 +125,7 @@ fn a_room_behind_a_glazed_window_agrees_with_light_paths() {
         let energy = Energy::of(&problem, &solution.radiance);
         assert!(energy.imbalance < 1e-5 && energy.carriers[0] > 0.0, "{energy:?}");
         let irradiance = solution.means().irradiance;
-        let budget = Budget { paths: Some(200_000), ..Budget::default() };
-        let traced = PathTracer::new(&tracer)
-            .irradiance(&patches, &PathOptions { budget, ..Default::default() })
-            .unwrap();
+        let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(200_000)).unwrap();
         let sum = |f: &dyn Fn(usize) -> f64| (0..traced.len()).map(f).sum::<f64>();
         let known = |i: usize| traced.irradiance(i, 0);
         let whole = sum(&|i| traced.area(i) * known(i).mean);

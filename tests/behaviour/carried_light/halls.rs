@@ -3,14 +3,14 @@
 use glam::DVec3;
 use radiosity::measure::Energy;
 use radiosity::patches::{Basis, PatchSize};
-use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::reference::PathTracer;
 use radiosity::scene::{Light, Material, Scene, Sky, SkyKind};
 use radiosity::solve::{DirectOptions, Problem};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, TraceOptions};
 
 use super::{point, standard_errors, trace};
-use crate::scenes::{BASES, cut, flipped, lit_quads, room};
+use crate::scenes::{BASES, cut, flipped, lit_quads, paths, room};
 
 /// A room with such walls, a thick window in its roof, a mirror and a block of brushed metal in it, all
 /// coloured, and every kind of light around and within.
@@ -65,9 +65,7 @@ fn light_paths_and_photons_find_the_same_under_coats() {
 fn agree_on_black(scene: Scene) {
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Count(200));
-    let options =
-        PathOptions { budget: Budget { paths: Some(2_000_000), ..Budget::default() }, ..Default::default() };
-    let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
+    let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(2_000_000)).unwrap();
     let sources = trace(&tracer, &patches, Basis::Constant, 2048);
     let (found, errors) = (sources.direct.as_ref().unwrap(), standard_errors(&sources));
     let (mut squares, mut values) = (0.0, 0.0);
@@ -124,9 +122,7 @@ fn light_that_goes_on_is_the_same_by_photons_and_by_the_operator_and_no_energy_i
     for (all, of_surfaces) in energy.carriers.iter().zip(&of_surfaces.carriers) {
         assert!(all > of_surfaces, "{energy:?} {of_surfaces:?}");
     }
-    let options =
-        PathOptions { budget: Budget { paths: Some(400_000), ..Budget::default() }, ..Default::default() };
-    let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
+    let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(400_000)).unwrap();
     for c in 0..2 {
         let (mut ours, mut theirs, mut variance) = (0.0, 0.0, 0.0);
         for i in 0..patches.len() {

@@ -3,14 +3,14 @@
 use glam::DVec3;
 use radiosity::measure::{Energy, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches};
-use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::reference::PathTracer;
 use radiosity::scene::{Light, Scene, Sky, SkyKind};
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Problem};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
 use super::{grey, point, room_with_window};
-use crate::scenes::{BASES, cut, lit_quads, sky, sun};
+use crate::scenes::{BASES, cut, lit_quads, paths, sky, sun};
 
 /// A room with a window under every kind of light.
 fn daylit_room() -> Scene {
@@ -70,9 +70,7 @@ fn the_path_tracer_finds_the_same_light_by_its_own_samples() {
     let (tracer, patches, problem) = problem(&scene, 6000, Basis::Constant);
     let solution = problem.conjugate_gradients(&CgOptions::default()).unwrap();
     let faces = patches.average_by_face(&solution.irradiance);
-    let budget = Budget { paths: Some(1_500_000), ..Default::default() };
-    let options = PathOptions { budget, ..Default::default() };
-    let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
+    let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(1_500_000)).unwrap();
     let rms = RelativeRms::of(&faces, &traced.by_face(&patches));
     assert!(rms.compared >= 18 && rms.value < 0.01, "{rms:?}");
     // And bounce by bounce: bounce 1 is what E sends.

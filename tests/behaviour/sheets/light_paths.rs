@@ -4,7 +4,7 @@ use glam::DVec3;
 use radiosity::measure::ErrorBars;
 use radiosity::patches::{Basis, PatchSize};
 use radiosity::progress::Progress;
-use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::reference::PathTracer;
 use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::Camera;
 use radiosity::solve::{self, CgOptions, Problem};
@@ -12,7 +12,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, Transport};
 
 use super::{around, factors, gauze, paper};
-use crate::scenes::{BASES, cut_into};
+use crate::scenes::{BASES, cut_into, paths};
 
 #[test]
 fn light_paths_through_sheets_agree_with_the_matrix() {
@@ -26,9 +26,7 @@ fn light_paths_through_sheets_agree_with_the_matrix() {
             let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
             let solution = problem.conjugate_gradients(&CgOptions::default()).unwrap();
             let bars = ErrorBars::of(&patches, &problem, &solution, Progress::default()).unwrap();
-            let budget = Budget { paths: Some(1_000_000), ..Budget::default() };
-            let options = PathOptions { budget, ..Default::default() };
-            let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
+            let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(1_000_000)).unwrap();
             let ours = patches.average_by_face(&basis.means(&solution.irradiance));
             for ((ours, bar), theirs) in ours.iter().zip(&bars.faces).zip(traced.by_face(&patches)) {
                 for c in 0..3 {
@@ -63,12 +61,12 @@ fn every_way_of_shading_shows_the_light_through_a_sheet() {
                 let picture = render::picture(&tracer, &patches, &radiance, &camera, &options).unwrap();
                 [0, 1, 2].map(|c| picture.pixels.iter().map(|rgb| f64::from(rgb[c])).sum::<f64>())
             };
-            let paths: Vec<[f64; 3]> = (0..8).map(|seed| seen(Shading::Path, seed)).collect();
+            let by_paths: Vec<[f64; 3]> = (0..8).map(|seed| seen(Shading::Path, seed)).collect();
             for shading in [Shading::Flat, Shading::Smooth, Shading::Gather] {
                 let found = seen(shading, 8);
                 for c in 0..3 {
-                    let mean = paths.iter().map(|path| path[c]).sum::<f64>() / 8.0;
-                    let spread: f64 = paths.iter().map(|path| (path[c] - mean).powi(2)).sum();
+                    let mean = by_paths.iter().map(|path| path[c]).sum::<f64>() / 8.0;
+                    let spread: f64 = by_paths.iter().map(|path| (path[c] - mean).powi(2)).sum();
                     let error = (spread / 56.0).sqrt();
                     // What an ordinary room comes out within, and the noise of the light paths.
                     let off = (found[c] - mean).abs();

@@ -3,13 +3,13 @@
 use nalgebra::DMatrix;
 use radiosity::measure::Energy;
 use radiosity::patches::{Basis, PatchSize};
-use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::reference::PathTracer;
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, StorageKind, TraceOptions, Transport};
 
 use super::{around, every_solver, factors, gauze, paper};
-use crate::scenes::{cut_into, difference};
+use crate::scenes::{cut_into, difference, paths};
 
 #[test]
 fn bounds_hold_through_sheets() {
@@ -88,9 +88,7 @@ fn the_same_bits_come_through_on_any_number_of_threads() {
             let (patches, factors) = factors(&scene, PatchSize::Count(600), (Basis::Constant, 64));
             let k = Transport::of(&factors, &patches).unwrap();
             let tracer = Tracer::new(&scene);
-            let budget = Budget { paths: Some(20_000), ..Budget::default() };
-            let options = PathOptions { budget, ..Default::default() };
-            let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap();
+            let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(20_000)).unwrap();
             (every_solver(&k, &patches.emitted_radiance()).map(|solution| solution.radiance), traced.means())
         })
     });

@@ -5,14 +5,14 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use radiosity::measure::Energy;
 use radiosity::patches::Basis;
-use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::reference::PathTracer;
 use radiosity::scene::{Light, Material, Scene};
 use radiosity::solve::Problem;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
 use super::walls;
-use crate::scenes::{BASES, cut_into, flipped, lit_quads};
+use crate::scenes::{BASES, cut_into, flipped, lit_quads, paths};
 use crate::scratch::Scratch;
 
 /// The room with a light of 1 W·sr⁻¹.
@@ -116,9 +116,8 @@ fn the_path_tracer_finds_the_spot_of_a_light_on_a_surface() {
         let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
         let solution = problem.solve(&Default::default()).unwrap();
         let expected = patches.average_by_face(&solution.irradiance);
-        let budget = Budget { paths: Some(200_000), ..Default::default() };
-        let options = PathOptions { budget, ..Default::default() };
-        let traced = PathTracer::new(&tracer).irradiance(&patches, &options).unwrap().by_face(&patches);
+        let traced =
+            PathTracer::new(&tracer).irradiance(&patches, &paths(200_000)).unwrap().by_face(&patches);
         let flux = |values: &dyn Fn(usize) -> f64| -> f64 {
             (0..expected.len()).map(|k| expected[k].area * values(k)).sum()
         };

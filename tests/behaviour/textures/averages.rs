@@ -2,14 +2,14 @@
 
 use radiosity::measure::{Difference, Energy, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches, Reach, Tessellation};
-use radiosity::reference::{Budget, PathOptions, PathTracer};
+use radiosity::reference::{PathOptions, PathTracer};
 use radiosity::scene::{Material, Pixels, Side, Texture};
 use radiosity::solve;
 use radiosity::trace::Tracer;
 use radiosity::transport::Transport;
 
 use super::{case, gallery, painted, textured};
-use crate::scenes::room;
+use crate::scenes::{paths, room};
 
 #[test]
 fn patches_average_the_picture_so_that_faces_have_its_mean() {
@@ -56,8 +56,7 @@ fn light_paths_that_read_the_picture_itself_agree() {
     let tracer = Tracer::new(&scene);
     let case = case(&tracer, 6000, Basis::Constant);
     let solution = case.solve();
-    let budget = Budget { paths: Some(1_500_000), ..Default::default() };
-    let options = PathOptions { budget, seed: 3, ..Default::default() };
+    let options = PathOptions { seed: 3, ..paths(1_500_000) };
     let truth = PathTracer::new(&tracer).irradiance(&case.patches, &options).unwrap();
     let floor = case.patches.average_by_face(&solution.irradiance);
     let rms = RelativeRms::of(&floor, &truth.by_face(&case.patches));
