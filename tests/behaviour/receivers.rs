@@ -9,6 +9,7 @@ use radiosity::scene::{Light, Material, Receiver, Sky, SkyKind};
 use radiosity::trace::{Tracer, form_factor_to_triangle};
 use radiosity::transport::{LightOptions, ReceiverRows, Sources};
 
+use crate::program::{radiosity, text};
 use crate::scenes::{cut_into, flipped, lit_quads};
 use crate::scratch::Scratch;
 
@@ -112,17 +113,17 @@ fn floor_with(settings: &str) -> Scratch {
 
 const DESK: &str = "[[receiver]]\nname = \"desk\"\ncorner = [-0.5, 1, -0.5]\nedges = [[0, 0, 1], [1, 0, 0]]\npoints = [3, 3]\n";
 
-fn run(folder: &Scratch, more: &[&str]) -> (bool, String) {
-    let mut command = assert_cmd::cargo::cargo_bin_cmd!("radiosity");
-    let usual = ["solve", "floor.obj", "--patches", "200", "--rays", "64", "--size", "80x60"];
-    let output = command.current_dir(folder.folder()).args(usual).args(more).output().unwrap();
-    (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
+/// Whether the floor could be solved with these arguments besides, and the message.
+fn solved(folder: &Scratch, more: &str) -> (bool, String) {
+    let usual = "solve floor.obj --patches 200 --rays 64 --size 80x60";
+    let output = radiosity(folder.folder(), &format!("{usual} {more}"));
+    (output.status.success(), text(&output.stderr).to_owned())
 }
 
 #[test]
 fn the_program_reports_lux_at_receivers_and_on_surfaces() {
     let folder = floor_with(DESK);
-    let (done, message) = run(&folder, &["--photometric"]);
+    let (done, message) = solved(&folder, "--photometric");
     assert!(done, "{message}");
     let table = |name: &str| -> Vec<Vec<String>> {
         let mut table = csv::Reader::from_path(folder.path(&format!("out/floor/{name}"))).unwrap();
@@ -156,7 +157,7 @@ fn the_program_reports_lux_at_receivers_and_on_surfaces() {
 fn luminance_is_what_leaves_a_matt_surface_and_every_header_names_its_unit() {
     let folder = floor_with("");
     folder.write("floor.mtl", "newmtl black\nKd 0.5\nKe 0.02\n");
-    let (done, message) = run(&folder, &["--photometric"]);
+    let (done, message) = solved(&folder, "--photometric");
     assert!(done, "{message}");
     let table = |name: &str| {
         let mut table = csv::Reader::from_path(folder.path(&format!("out/floor/{name}"))).unwrap();
@@ -196,7 +197,7 @@ fn bad_receivers_are_refused() {
         (DESK.replace("points = [3, 3]", "points = [0, 3]"), "points must be"),
         (DESK.replace("-0.5, 1,", "-0.5, inf,"), "finite"),
     ] {
-        let (done, message) = run(&floor_with(&settings), &[]);
+        let (done, message) = solved(&floor_with(&settings), "");
         assert!(!done && message.contains("receiver desk") && message.contains(words), "{message}");
     }
 }

@@ -12,6 +12,7 @@ use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Problem, 
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, Transport};
 
+use crate::program::{radiosity, text};
 use crate::scenes::{BASES, direct, flipped, lit_quads, quads, room, traced};
 use crate::scratch::Scratch;
 
@@ -205,14 +206,12 @@ fn what_a_truncated_series_lacks_is_no_more_than_it_says() {
 }
 
 /// What the program prints, and the numbers it writes.
-fn solved(folder: &Path, arguments: &[&str]) -> (String, serde_json::Value) {
-    let mut command = assert_cmd::cargo::cargo_bin_cmd!("radiosity");
-    let small = ["--patches", "200", "--rays", "64", "--size", "80x60", "-o", "out"];
-    let output = command.current_dir(folder).arg("solve").args(arguments).args(small).output().unwrap();
-    let [text, errors] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
-    assert!(output.status.success(), "{arguments:?}: {errors}");
+fn solved(folder: &Path, arguments: &str) -> (String, serde_json::Value) {
+    let small = "--patches 200 --rays 64 --size 80x60 -o out";
+    let output = radiosity(folder, &format!("solve {arguments} {small}"));
+    assert!(output.status.success(), "{arguments}: {}", text(&output.stderr));
     let json = std::fs::read_to_string(folder.join("out/solution.json")).unwrap();
-    (text, serde_json::from_str(&json).unwrap())
+    (text(&output.stdout).to_owned(), serde_json::from_str(&json).unwrap())
 }
 
 /// Whether some number is none.
@@ -225,7 +224,7 @@ fn is_odd(text: &str) -> bool {
 fn the_program_names_truncation_where_it_leads() {
     let folder = Scratch::new();
     for order in ["0", "1", "2", "8"] {
-        let (text, json) = solved(folder.folder(), &["--solver", "neumann", "--order", order]);
+        let (text, json) = solved(folder.folder(), &format!("--solver neumann --order {order}"));
         let line = text.lines().find(|line| line.starts_with("error ")).unwrap();
         let leads = match order {
             "0" => "no light has arrived yet at order 0",
@@ -248,13 +247,13 @@ fn the_program_names_truncation_where_it_leads() {
         assert!(order == "0" || flux(1) < flux(0));
     }
     // The orders that it asks for are enough.
-    let (text, _) = solved(folder.folder(), &["--solver", "neumann", "--order", "1"]);
+    let (text, _) = solved(folder.folder(), "--solver neumann --order 1");
     let line = text.lines().find(|line| line.starts_with("error ")).unwrap();
     let enough = line.split("--order ").nth(1).unwrap().split_whitespace().next().unwrap();
-    let (text, _) = solved(folder.folder(), &["--solver", "neumann", "--order", enough]);
+    let (text, _) = solved(folder.folder(), &format!("--solver neumann --order {enough}"));
     assert!(!text.contains("mostly truncation"), "{enough}: {text}");
     // An answer by another solver is not truncated, however short the series beside it.
-    let (text, json) = solved(folder.folder(), &["--order", "1"]);
+    let (text, json) = solved(folder.folder(), "--order 1");
     assert!(!text.contains("truncation") && json["solver"]["truncated"] == false, "{text}");
 }
 
@@ -289,7 +288,7 @@ fn nothing_is_said_in_numbers_that_are_none_where_nothing_is_reflected() {
         ("dark.toml", "[[light]]\nkind = \"point\"\nposition = [0.5, 0.5, 0.4]\nflux = 12\n"),
     ]);
     for solver in ["auto", "cg", "neumann"] {
-        let (text, _) = solved(folder.folder(), &["dark.obj", "--solver", solver]);
+        let (text, _) = solved(folder.folder(), &format!("dark.obj --solver {solver}"));
         assert!(!is_odd(&text), "{text}");
     }
 }

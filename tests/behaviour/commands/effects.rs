@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::{done, json, number, radiosity, refused, table, text};
+use super::{done, json, number, refused, table};
+use crate::program::{radiosity, text};
 use crate::scratch::{Scratch, content, names};
 
 #[test]

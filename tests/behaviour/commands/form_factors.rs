@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use super::{CUBE, radiosity, refused, text};
+use super::{CUBE, refused};
+use crate::program::{radiosity, text};
 use crate::scratch::Scratch;
 
 #[test]

@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::process::Output;
 
-use super::{CUBE, text};
+use super::CUBE;
+use crate::program::text;
 use crate::scratch::Scratch;
 
 /// Runs the program with so little memory that asking for it all can't hurt.

@@ -24,6 +24,8 @@ use std::process::Output;
 
 use serde_json::Value;
 
+use crate::program::{radiosity, text};
+
 /// Settings that make a run short.
 const SMALL: [&str; 6] = ["--patches", "200", "--rays", "64", "--size", "80x60"];
 
@@ -41,16 +43,6 @@ const CUBE: &str = "mtllib cube.mtl
 v 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 1 1 0\nv 1 0 0
 o cube\nusemtl wall
 f 1 2 3 4\nf 5 6 7 8\nf 1 4 5 8\nf 3 2 7 6\nf 8 7 2 1\nusemtl last\nf 4 3 6 5\n";
-
-/// Runs the program in a folder with these arguments, separated by spaces.
-fn radiosity(folder: &Path, arguments: &str) -> Output {
-    let mut command = assert_cmd::cargo::cargo_bin_cmd!("radiosity");
-    command.current_dir(folder).args(arguments.split_whitespace()).output().expect("the program runs")
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("UTF-8")
-}
 
 /// A short run that must succeed.
 #[track_caller]

@@ -1,6 +1,7 @@
 //! The pictures of render and solve.
 
-use super::{CUBE, done, text};
+use super::{CUBE, done};
+use crate::program::text;
 use crate::scratch::{Scratch, content, names};
 
 #[test]

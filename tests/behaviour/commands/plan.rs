@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use super::{SMALL, STAGES, done, json, radiosity, text};
+use super::{SMALL, STAGES, done, json};
+use crate::program::{radiosity, text};
 use crate::scratch::{Scratch, names};
 
 #[test]

@@ -4,7 +4,8 @@ use std::process::Stdio;
 
 use serde_json::Value;
 
-use super::{CUBE, SMALL, done, json, radiosity, refused, text};
+use super::{CUBE, SMALL, done, json, refused};
+use crate::program::{radiosity, text};
 use crate::scratch::{Scratch, names};
 
 #[test]

@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use super::{CUBE, json, radiosity, refused, text};
+use super::{CUBE, json, refused};
+use crate::program::{radiosity, text};
 use crate::scratch::{Scratch, names};
 
 #[test]

@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use super::{CUBE, RESULTS, SMALL, done, json, radiosity, text};
+use super::{CUBE, RESULTS, SMALL, done, json};
+use crate::program::{radiosity, run, text};
 use crate::scratch::{Scratch, names};
 
 #[test]
@@ -22,8 +23,8 @@ fn the_default_folder_is_named_after_the_scene() {
     ]);
     done(scratch.folder(), "solve");
     assert_eq!(names(&scratch.path("out")), ["cornell_box"]);
-    let mut command = assert_cmd::cargo::cargo_bin_cmd!("radiosity");
-    command.current_dir(scratch.folder()).args(["solve", "my room.obj"]).args(SMALL).assert().success();
+    let output = run(scratch.folder(), ["solve", "my room.obj"].into_iter().chain(SMALL));
+    assert!(output.status.success(), "{}", text(&output.stderr));
     assert_eq!(names(&scratch.path("out")), ["cornell_box", "my room"]);
     assert_eq!(names(&scratch.path("out/my room")), RESULTS);
     assert_eq!(json(&scratch.path("out/my room/solution.json"))["scene"], "my room");

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use super::{CUBE, SMALL, done, json, number, radiosity, refused, table, text};
+use super::{CUBE, SMALL, done, json, number, refused, table};
+use crate::program::{radiosity, text};
 use crate::scratch::{Scratch, content, names};
 
 #[test]

@@ -4,7 +4,8 @@ use std::fs;
 
 use serde_json::Value;
 
-use super::{CUBE, number, radiosity, refused, table, text};
+use super::{CUBE, number, refused, table};
+use crate::program::{radiosity, text};
 use crate::scratch::{Scratch, names};
 
 /// The columns of `study.csv`.

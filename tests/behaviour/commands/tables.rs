@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use super::{CUBE, FACES, done, json, number, table, text};
+use super::{CUBE, FACES, done, json, number, table};
+use crate::program::text;
 use crate::scratch::Scratch;
 
 const PATCHES: &str = "patch,face,side,cx,cy,cz,area,irradiance_r,irradiance_g,irradiance_b,radiance_r,radiance_g,radiance_b,error_r,error_g,error_b";

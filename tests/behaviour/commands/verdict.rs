@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use super::{CUBE, done, text};
+use super::{CUBE, done};
+use crate::program::{radiosity, text};
 use crate::scratch::Scratch;
 
 /// The cube with a lamp that is there twice.
@@ -39,7 +40,7 @@ fn doubtful_answers_are_named_in_a_line_and_end_well() {
 #[test]
 fn the_accuracy_asked_for_is_not_reached_by_a_doubtful_answer() {
     let scratch = doubled_lamp();
-    let output = super::radiosity(scratch.folder(), "solve cube.obj -o out --accuracy 20% --size 8x6");
+    let output = radiosity(scratch.folder(), "solve cube.obj -o out --accuracy 20% --size 8x6");
     assert!(output.status.success(), "{}", text(&output.stderr));
     let wanted =
         "warning: the accuracy that was asked for is not reached: the verdict on the best answer is doubtful";

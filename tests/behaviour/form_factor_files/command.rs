@@ -8,6 +8,7 @@ use radiosity::scene::{Material, Scene};
 use serde_json::Value;
 
 use super::pairs;
+use crate::program::radiosity;
 use crate::scenes::{flipped, quads};
 use crate::scratch::{Scratch, names};
 
@@ -33,9 +34,7 @@ fn scratch() -> Scratch {
 }
 
 fn form_factors(scratch: &Scratch, arguments: &str) -> Output {
-    let mut command = assert_cmd::cargo::cargo_bin_cmd!("radiosity");
-    let arguments = format!("form-factors {arguments}");
-    command.current_dir(scratch.folder()).args(arguments.split_whitespace()).output().expect("it runs")
+    radiosity(scratch.folder(), &format!("form-factors {arguments}"))
 }
 
 #[track_caller]

@@ -5,6 +5,7 @@ use std::process::Output;
 use serde_json::Value;
 
 use super::OPERATOR;
+use crate::program::{radiosity, text};
 use crate::scratch::{Scratch, names};
 
 /// A closed cube with a lamp for a ceiling, whose ceiling is lifted by this much.
@@ -21,10 +22,8 @@ fn cube(lifted: f64) -> Scratch {
 }
 
 fn run(scratch: &Scratch, arguments: &str) -> (Option<i32>, String, String) {
-    let mut command = assert_cmd::cargo::cargo_bin_cmd!("radiosity");
-    let Output { status, stdout, stderr } =
-        command.current_dir(scratch.folder()).args(arguments.split_whitespace()).output().unwrap();
-    (status.code(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
+    let Output { status, stdout, stderr } = radiosity(scratch.folder(), arguments);
+    (status.code(), text(&stdout).to_owned(), text(&stderr).to_owned())
 }
 
 #[test]

@@ -5,7 +5,8 @@ use std::fs;
 
 use serde_json::Value;
 
-use super::{data, radiosity, records};
+use super::{data, records};
+use crate::program::radiosity;
 use crate::scratch::Scratch;
 
 fn senders(records: &[BTreeMap<String, String>]) -> Vec<String> {
@@ -30,7 +31,7 @@ fn sides_are_the_front_unless_others_are_asked_for() {
         assert_eq!(senders(&records), expected, "{sides}");
         assert!(!told.contains("both sides"), "{told}");
     }
-    let refused = radiosity(&scratch, "form-factors a.obj --sides left");
+    let refused = radiosity(scratch.folder(), "form-factors a.obj --sides left");
     assert_eq!(refused.status.code(), Some(2));
 }
 
@@ -68,19 +69,19 @@ fn plan_and_check_need_no_lamp() {
     for name in ["cube_inside", "far_small", "raystrack_canyon"] {
         let scratch = Scratch::new();
         let file = data(name);
-        let plan = radiosity(&scratch, &format!("plan {} --json --patches 500", file.display()));
+        let plan = radiosity(scratch.folder(), &format!("plan {} --json --patches 500", file.display()));
         let told = String::from_utf8(plan.stderr).unwrap();
         assert!(plan.status.success() && told.contains("no light at all"), "{name}: {told}");
         let plan: Value = serde_json::from_slice(&plan.stdout).unwrap();
         assert!(plan["patches"].as_u64().unwrap() > 100, "{name}");
-        let check = radiosity(&scratch, &format!("check {} --json --patches 200", file.display()));
+        let check = radiosity(scratch.folder(), &format!("check {} --json --patches 200", file.display()));
         let told = String::from_utf8(check.stderr).unwrap();
         assert!(check.status.success(), "{name}: {told}");
         let check: Value = serde_json::from_slice(&check.stdout).unwrap();
         let findings = check["findings"].as_array().unwrap();
         assert!(findings.iter().any(|finding| finding["name"] == "closure"), "{name}: {findings:?}");
         // Solving still does.
-        let solve = radiosity(&scratch, &format!("solve {}", file.display()));
+        let solve = radiosity(scratch.folder(), &format!("solve {}", file.display()));
         assert_eq!(solve.status.code(), Some(1));
         assert!(String::from_utf8(solve.stderr).unwrap().contains("no light at all"));
     }

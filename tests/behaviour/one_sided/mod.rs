@@ -10,7 +10,6 @@ mod sides; // one side over its whole area, backs by themselves
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Output;
 
 use radiosity::output::{FactorEntry, FactorTable};
 use radiosity::patches::{GroupBy, Groups, PatchSize, Patches, Reach, Tessellation};
@@ -19,6 +18,7 @@ use radiosity::scene::{Scene, Side};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, TraceOptions};
 
+use crate::program::radiosity;
 use crate::scratch::Scratch;
 
 /// How finely a table is found.
@@ -59,19 +59,17 @@ fn factor(table: &FactorTable, from: &str, to: &str) -> FactorEntry {
     table.full_row(place(table, from))[place(table, to)]
 }
 
-fn radiosity(scratch: &Scratch, arguments: &str) -> Output {
-    let mut command = assert_cmd::cargo::cargo_bin_cmd!("radiosity");
-    command.current_dir(scratch.folder()).args(arguments.split_whitespace()).output().expect("it runs")
-}
-
 /// The records of `form-factors`, by name of column, and what it warns of.
 #[track_caller]
 fn records(scratch: &Scratch, arguments: &str) -> (Vec<BTreeMap<String, String>>, String) {
-    let output =
-        radiosity(scratch, &format!("form-factors {arguments} -o f.csv --quiet --patches 400 --rays 64"));
+    let output = radiosity(
+        scratch.folder(),
+        &format!("form-factors {arguments} -o f.csv --quiet --patches 400 --rays 64"),
+    );
     let quiet = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success(), "{arguments}: {quiet}");
-    let told = radiosity(scratch, &format!("form-factors {arguments} -o g.csv --patches 20 --rays 8"));
+    let told =
+        radiosity(scratch.folder(), &format!("form-factors {arguments} -o g.csv --patches 20 --rays 8"));
     let text = fs::read_to_string(scratch.path("f.csv")).unwrap();
     let mut csv = csv::Reader::from_reader(text.as_bytes());
     let records = csv.deserialize().map(|record| record.unwrap()).collect();
