@@ -17,7 +17,7 @@ use radiosity::transport::{
     FactorsFileError, FormFactors, Keep, Plan, StorageKind, TraceOptions, Transport, TransportError,
 };
 
-use crate::scenes::{BASES, cut, facing, flipped, load, paths, quads, room};
+use crate::scenes::{BASES, cut, facing, flipped, load, paths, quads, reference, room, unit_square};
 use crate::scratch::Scratch;
 
 /// A closed cube that glows and reflects half, with a box of the second material in its middle.
@@ -68,9 +68,8 @@ fn a_furnace_stays_a_furnace_around_mirrors_and_glass_that_absorb_nothing() {
 fn a_plate_sees_its_image_in_a_mirror_as_far_behind_it() {
     // A unit square glows below a mirror of the same size at half the distance: it sees itself at distance 1,
     // dimmed once.
-    let square = |y: f64| [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]];
     let materials = vec![Material::lamp("plate", &[0.5], &[1.0]), Material::mirror("mirror", &[0.8])];
-    let scene = quads(&[(square(0.0), 0), (flipped(square(0.5)), 1)], materials);
+    let scene = quads(&[(unit_square(0.0), 0), (flipped(unit_square(0.5)), 1)], materials);
     let tracer = Tracer::new(&scene);
     for basis in BASES {
         let mut patches = cut(&tracer, PatchSize::Edge(0.2));
@@ -101,9 +100,8 @@ fn a_plate_sees_its_image_in_a_mirror_as_far_behind_it() {
 #[test]
 fn a_patch_sees_itself_in_a_mirror_whatever_the_storage() {
     // Two patches so near to their images that each sees its own above all.
-    let square = |y: f64| [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]];
     let materials = vec![Material::lamp("plate", &[0.5], &[1.0]), Material::mirror("mirror", &[0.8])];
-    let scene = quads(&[(square(0.0), 0), (flipped(square(0.1)), 1)], materials);
+    let scene = quads(&[(unit_square(0.0), 0), (flipped(unit_square(0.1)), 1)], materials);
     let tracer = Tracer::new(&scene);
     for (basis, storage) in [
         (Basis::Constant, StorageKind::Dense),
@@ -156,9 +154,7 @@ fn distance_to_walls(origin: DVec3, direction: DVec3) -> f64 {
 }
 
 fn table(name: &str, scene: &Scene) -> Vec<ReferenceRow> {
-    let path = format!("{}/tests/data/{name}.csv", env!("CARGO_MANIFEST_DIR"));
-    let rows = ReferenceRow::read(path).unwrap();
-    rows.into_iter().filter(|row| scene.is_diffuse(row.face)).collect()
+    reference(name).into_iter().filter(|row| scene.is_diffuse(row.face)).collect()
 }
 
 /// Relative RMS error of irradiance on the faces of some object, or on all, at default settings.

@@ -7,7 +7,7 @@ use radiosity::scene::{Material, Scene, Side};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions};
 
-use crate::scenes::{Quad, cut_into as cut, flipped, quads, room};
+use crate::scenes::{Quad, cut_into as cut, flipped, mesh, quads, room};
 
 /// A room of 1 m with a lamp below its ceiling, a box of the given walls on its floor y = 0, turned a little.
 fn with_box(foot: [[f64; 2]; 4], walls: impl Fn([[f64; 2]; 4]) -> Vec<Quad>) -> Scene {
@@ -87,7 +87,7 @@ fn no_patch_straddles_the_foot_of_a_box() {
 #[test]
 fn patches_stay_as_many_as_asked_for_where_surfaces_touch() {
     for name in ["cornell_box", "spot_gallery", "furnished_room"] {
-        let scene = Scene::load(format!("{}/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let scene = mesh(name);
         let tracer = Tracer::new(&scene);
         for count in [2000, 8000] {
             let share = cut(&tracer, count).len() as f64 / count as f64;

@@ -10,7 +10,7 @@ use radiosity::solve::{Problem, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Shots, Sources, Switches, TraceOptions};
 
-use crate::scenes::{BASES, cut_into, flipped, lit_quads, mesh, quads, room};
+use crate::scenes::{BASES, cut_into, facing, flipped, lit_quads, mesh, quads, room, unit_square};
 
 fn switched(scene: Scene, switches: &str) -> (Scene, Vec<String>) {
     let (scene, _, told) = switches.parse::<Switches>().unwrap().apply(scene);
@@ -38,16 +38,9 @@ fn irradiance(scene: &Scene, options: &TraceOptions) -> DMatrix<f64> {
     problem.solve(&SolveOptions::default()).unwrap().means().irradiance
 }
 
-/// F between parallel unit squares at distance 1 (Howell C-11).
-fn facing() -> f64 {
-    let root = 2.0f64.sqrt();
-    2.0 / PI * ((2.0 / 3.0f64.sqrt()).ln() + 2.0 * root * (1.0 / root).atan() - 2.0 * (1.0f64).atan())
-}
-
 #[test]
 fn without_interreflection_there_is_what_lamps_send_straight_and_what_of_it_is_reflected() {
-    let square = |y: f64| [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]];
-    let plates = [(square(0.0), 0), (flipped(square(1.0)), 1)];
+    let plates = [(unit_square(0.0), 0), (flipped(unit_square(1.0)), 1)];
     let lamp = Material::lamp("lamp", &[0.9], &[2.0]);
     let scene =
         quads(&plates, vec![lamp, Material::diffuse("plate", &[0.8])]).without(Feature::Interreflection);
@@ -65,7 +58,7 @@ fn without_interreflection_there_is_what_lamps_send_straight_and_what_of_it_is_r
         let plate: f64 =
             (0..patches.len()).filter(|&i| patches.place(i).face > 1).map(|i| patches.area(i)).sum();
         let form_factor = arrived / (PI * 2.0 * plate);
-        assert!((form_factor / facing() - 1.0).abs() < 2e-3, "{basis:?}: {form_factor}");
+        assert!((form_factor / facing(1.0) - 1.0).abs() < 2e-3, "{basis:?}: {form_factor}");
         // Each place reflects of it what it reflects.
         let reflected = k.reflect(&solution.irradiance) + &problem.sources().emitted;
         assert!((reflected - &solution.radiance).amax() < 1e-14);
@@ -104,13 +97,12 @@ fn direct_light_in_a_closed_room_balances_within_its_noise() {
 
 #[test]
 fn what_lamps_send_past_all_surfaces_is_measured_and_no_remainder() {
-    let square = |y: f64| [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]];
-    let plates = [(square(0.0), 0), (flipped(square(1.0)), 1)];
+    let plates = [(unit_square(0.0), 0), (flipped(unit_square(1.0)), 1)];
     let lamp = Material::lamp("lamp", &[0.9], &[2.0]);
     let scene = quads(&plates, vec![lamp, Material::diffuse("plate", &[0.8])]);
     for (basis, seed) in BASES.into_iter().flat_map(|basis| [0, 1, 2, 3].map(|seed| (basis, seed))) {
         let energy = direct_energy(&scene, basis, seed);
-        let off = energy.escaped[0] / energy.emitted[0] - (1.0 - facing());
+        let off = energy.escaped[0] / energy.emitted[0] - (1.0 - facing(1.0));
         assert!(off != 0.0 && off.abs() < 4.0 * energy.imbalance_error, "{off} {energy:?}");
         assert!(energy.imbalance < 4.0 * energy.imbalance_error, "{energy:?}");
     }
@@ -148,8 +140,7 @@ fn without_interreflection_light_is_as_among_black_surfaces() {
 
 #[test]
 fn direct_light_arrives_in_every_one_of_many_bands() {
-    let square = |y: f64| [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]];
-    let plates = [(square(0.0), 0), (flipped(square(1.0)), 1)];
+    let plates = [(unit_square(0.0), 0), (flipped(unit_square(1.0)), 1)];
     let lamp = Material::lamp("lamp", &[0.5; 5], &[1.0, 2.0, 3.0, 4.0, 5.0]);
     let scene = quads(&plates, vec![lamp, Material::diffuse("plate", &[0.8; 5])]);
     let tracer = Tracer::new(&scene);

@@ -12,7 +12,7 @@ use radiosity::solve::{CgOptions, Problem, Solution};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, TransportError};
 
-use crate::scenes::{cut_into, flipped, paths, quads, room};
+use crate::scenes::{cut_into, flipped, load, mesh, paths, quads, reference, room};
 
 /// An answer with its error bars.
 struct Answer {
@@ -39,8 +39,7 @@ fn answer(tracer: &Tracer, count: usize, rays: u32, seed: u64, basis: Basis) -> 
 }
 
 fn data(name: &str) -> (Scene, Vec<ReferenceRow>) {
-    let path = |kind: &str| format!("{}/tests/data/{name}.{kind}", env!("CARGO_MANIFEST_DIR"));
-    (Scene::load(path("obj")).unwrap(), ReferenceRow::read(path("csv")).unwrap())
+    (load(&format!("tests/data/{name}.obj")), reference(name))
 }
 
 /// √(ΣA x / ΣA H²) over faces and channels.
@@ -64,7 +63,7 @@ fn the_noise_that_one_answer_tells_is_how_far_answers_with_other_rays_lie_apart(
         ("meshes/daylit_room", Basis::Constant, 0.65..2.0),
         ("tests/data/mirror_room", Basis::Constant, 0.9..1.1),
     ] {
-        let scene = Scene::load(format!("{}/{path}.obj", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let scene = load(&format!("{path}.obj"));
         let tracer = Tracer::new(&scene);
         let answers: Vec<Answer> = (0..SEEDS).map(|seed| answer(&tracer, 600, 64, seed, basis)).collect();
         let faces = &answers[0].faces;
@@ -88,7 +87,7 @@ fn the_noise_that_one_answer_tells_is_how_far_answers_with_other_rays_lie_apart(
 
 #[test]
 fn a_furnace_has_no_noise_for_balancing_takes_all_of_it() {
-    let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/meshes/furnace_cube.obj")).unwrap();
+    let scene = mesh("furnace_cube");
     let tracer = Tracer::new(&scene);
     for basis in [Basis::Constant, Basis::Linear] {
         let Answer { bars, .. } = answer(&tracer, 300, 64, 1, basis);

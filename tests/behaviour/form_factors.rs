@@ -2,11 +2,11 @@
 
 use radiosity::patches::{PatchSize, Patches, Reach, Tessellation};
 use radiosity::progress::Progress;
-use radiosity::scene::{Material, Scene};
+use radiosity::scene::Scene;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, GroupFactor, Keep, TraceOptions};
 
-use crate::scenes::{flipped, quads, room};
+use crate::scenes::{flipped, grey, quads, room};
 
 /// Form factors between the quads of a scene.
 fn between_quads(scene: &Scene, patches: usize, rays: u32, seed: u64) -> Vec<GroupFactor> {
@@ -28,14 +28,10 @@ fn find(factors: &[GroupFactor], from: usize, to: usize) -> GroupFactor {
     *factors.iter().find(|f| f.from == from && f.to == Some(to)).unwrap()
 }
 
-fn grey() -> Vec<Material> {
-    vec![Material::diffuse("grey", &[0.5])]
-}
-
 fn parallel(x: f64) -> Scene {
     let floor = [[0.0, 0.0, 0.0], [0.0, 0.0, x], [x, 0.0, x], [x, 0.0, 0.0]];
     let ceiling = [[0.0, 1.0, 0.0], [x, 1.0, 0.0], [x, 1.0, x], [0.0, 1.0, x]];
-    quads(&[(floor, 0), (ceiling, 0)], grey())
+    quads(&[(floor, 0), (ceiling, 0)], grey(0.5))
 }
 
 /// Two rectangles of width 1 and lengths `x` that meet at a right angle along their width... scaled: edge 1,
@@ -43,18 +39,18 @@ fn parallel(x: f64) -> Scene {
 fn perpendicular(x: f64) -> Scene {
     let floor = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [x, 0.0, 1.0], [x, 0.0, 0.0]];
     let wall = [[0.0, 0.0, 0.0], [0.0, x, 0.0], [0.0, x, 1.0], [0.0, 0.0, 1.0]];
-    quads(&[(floor, 0), (wall, 0)], grey())
+    quads(&[(floor, 0), (wall, 0)], grey(0.5))
 }
 
 fn obstructed() -> Scene {
     let lower = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     let raised = |z: f64, s: f64| [[0.0, 0.0, z], [s, 0.0, z], [s, s, z], [0.0, s, z]];
-    quads(&[(lower, 0), (flipped(raised(1.0, 1.0)), 0), (raised(0.5, 0.5), 0)], grey())
+    quads(&[(lower, 0), (flipped(raised(1.0, 1.0)), 0), (raised(0.5, 0.5), 0)], grey(0.5))
 }
 
 #[test]
 fn faces_of_a_cube_see_each_other_as_closed_forms_say() {
-    let cube = quads(&room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0)), grey());
+    let cube = quads(&room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0)), grey(0.5));
     let factors = between_quads(&cube, 1200, 512, 0);
     for from in 0..6 {
         let mut sum = 0.0;

@@ -4,14 +4,15 @@ use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
 use radiosity::measure::{Energy, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches};
-use radiosity::reference::ReferenceRow;
 use radiosity::scene::{Material, Scene, SceneParts};
 use radiosity::solve::{
     self, Certainty, CgOptions, DirectOptions, Method, NeumannOptions, Problem, Solution, SolveOptions,
 };
 use radiosity::transport::{Exchange, FormFactors, Sources, StorageKind, Transport};
 
-use crate::scenes::{BASES, STORAGES, difference, every_solver_to, factors_of, kinds, mesh, quads, room};
+use crate::scenes::{
+    BASES, STORAGES, difference, every_solver_to, factors_of, kinds, load, mesh, quads, reference, room,
+};
 
 const MESHES: [&str; 6] =
     ["cornell_box", "furnace_cube", "furnace_sphere", "facing_plates", "two_rooms", "furnished_room"];
@@ -295,15 +296,13 @@ fn the_number_of_threads_changes_no_bit() {
 
 #[test]
 fn the_cornell_box_agrees_with_an_independent_path_tracer() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/");
-    let scene = Scene::load(format!("{folder}cornell.obj")).unwrap();
+    let scene = load("tests/data/cornell.obj");
     let (patches, factors) = factors(&scene, 20_000, 512, StorageKind::Auto);
     let k = Transport::of(&factors, &patches).unwrap();
     let solution =
         solve::conjugate_gradients(&k, &patches.emitted_radiance(), &CgOptions::default()).unwrap();
     let faces = patches.average_by_face(&solution.irradiance);
-    let reference = ReferenceRow::read(format!("{folder}cornell.csv")).unwrap();
-    let rms = RelativeRms::of(&faces, &reference);
+    let rms = RelativeRms::of(&faces, &reference("cornell"));
     assert!(rms.compared == 3 * 38 && rms.value < 0.005, "{rms:?}");
 }
 

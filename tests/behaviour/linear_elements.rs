@@ -4,14 +4,13 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 use radiosity::measure::{Energy, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches};
-use radiosity::reference::ReferenceRow;
-use radiosity::scene::{Material, Scene, Side};
+use radiosity::scene::{Material, Side};
 use radiosity::solve::{self, DirectOptions};
 use radiosity::trace::sampling::{Stream, uniform_triangle};
 use radiosity::trace::{Tracer, form_factor_to_triangle};
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
-use crate::scenes::{BASES, cut, irradiance, quads, room};
+use crate::scenes::{BASES, cut, irradiance, load, quads, reference, room, unit_square};
 
 fn factors<'s>(tracer: &Tracer<'s>, edge: f64, rays: u32, basis: Basis) -> (Patches<'s>, FormFactors) {
     let mut patches = cut(tracer, PatchSize::Edge(edge));
@@ -20,14 +19,9 @@ fn factors<'s>(tracer: &Tracer<'s>, edge: f64, rays: u32, basis: Basis) -> (Patc
     (patches, factors)
 }
 
-fn reference(name: &str) -> Vec<ReferenceRow> {
-    ReferenceRow::read(format!("{}/tests/data/{name}.csv", env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
-
 #[test]
 fn around_corners_they_err_less_than_half_as_much_against_an_independent_path_tracer() {
-    let path = format!("{}/tests/data/corridor.obj", env!("CARGO_MANIFEST_DIR"));
-    let scene = Scene::load(path).unwrap();
+    let scene = load("tests/data/corridor.obj");
     let tracer = Tracer::new(&scene);
     let reference = reference("corridor");
     for edge in [1.0, 0.5] {
@@ -69,7 +63,7 @@ fn field_error(tracer: &Tracer, patches: &Patches, basis: Basis, h: &DMatrix<f64
 
 #[test]
 fn the_error_of_a_field_falls_with_the_square_of_the_edge_and_of_constant_ones_with_the_edge() {
-    let floor = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+    let floor = unit_square(0.0);
     let lamp = [[0.3, 0.8, 0.3], [0.7, 0.8, 0.3], [0.7, 0.8, 0.7], [0.3, 0.8, 0.7]];
     let materials = vec![Material::diffuse("floor", &[0.5]), Material::lamp("lamp", &[0.0], &[1.0])];
     let scene = quads(&[(floor, 0), (lamp, 1)], materials);
@@ -121,8 +115,7 @@ fn with_few_rays_what_varies_is_shrunk_until_no_bounce_adds_energy() {
 
 #[test]
 fn a_patch_whose_rays_all_leave_sends_all_its_light_away() {
-    let square = |y: f64| [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]];
-    let scene = quads(&[(square(0.0), 0)], vec![Material::lamp("lamp", &[0.5], &[2.0])]);
+    let scene = quads(&[(unit_square(0.0), 0)], vec![Material::lamp("lamp", &[0.5], &[2.0])]);
     let tracer = Tracer::new(&scene);
     let (patches, factors) = factors(&tracer, 0.5, 4096, Basis::Linear);
     let exchange = factors.exchange();

@@ -1,7 +1,6 @@
 //! The path tracer against closed forms and against another renderer, judged by its own standard errors.
 
 use std::f64::consts::PI;
-use std::path::Path;
 
 use radiosity::patches::{PatchSize, Patches, Tessellation};
 use radiosity::reference::{Budget, Estimate, PathError, PathOptions, PathTraced, PathTracer, ReferenceRow};
@@ -11,7 +10,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-use crate::scenes::{cut, cut_into, load, paths, quads, room};
+use crate::scenes::{cut, cut_into, grey, load, paths, quads, reference, room};
 
 /// Faces as they are, each a patch.
 fn faces<'s>(tracer: &Tracer<'s>) -> Patches<'s> {
@@ -42,11 +41,6 @@ fn three_sigma(count: usize) -> f64 {
     Normal::standard().inverse_cdf(1.0 - 0.5 * single)
 }
 
-/// Rows of an independent renderer's table.
-fn table(path: &str) -> Vec<ReferenceRow> {
-    ReferenceRow::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
-}
-
 /// Traces every face of a scene to a standard error, and judges those known to 5 % against another renderer's
 /// table, channel by channel.
 fn agrees_with_another_renderer(name: &str, error: f64, least_faces: usize) {
@@ -59,7 +53,7 @@ fn agrees_with_another_renderer(name: &str, error: f64, least_faces: usize) {
     assert!(traced.relative_standard_error() <= error);
     let rows = traced.by_face(&patches);
     for channel in 0..3 {
-        let z: Vec<f64> = table(&format!("tests/data/{name}.csv"))
+        let z: Vec<f64> = reference(name)
             .iter()
             .filter_map(|theirs| {
                 let ours = rows.iter().find(|row| (row.face, row.side) == (theirs.face, theirs.side))?;
@@ -274,7 +268,7 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
 
 #[test]
 fn no_budget_is_an_error_and_no_light_is_none() {
-    let dark = quads(&[(room([0.0; 3], [1.0; 3])[1], 0)], vec![Material::diffuse("grey", &[0.5])]);
+    let dark = quads(&[(room([0.0; 3], [1.0; 3])[1], 0)], grey(0.5));
     let tracer = Tracer::new(&dark);
     let reach = radiosity::patches::Reach::Everything;
     let size = PatchSize::Count(20);

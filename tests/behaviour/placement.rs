@@ -5,7 +5,7 @@ use radiosity::measure::odd_placement;
 use radiosity::scene::{Light, Material, Receiver, Scene, SceneParts, Sky, SkyKind};
 use radiosity::trace::Tracer;
 
-use crate::scenes::{Quad, flipped, lit_quads, room};
+use crate::scenes::{Quad, flipped, lit_quads, point, room};
 use crate::scratch::Scratch;
 
 const LAMP: Quad = [[0.4, 0.9, 0.4], [0.6, 0.9, 0.4], [0.6, 0.9, 0.6], [0.4, 0.9, 0.6]];
@@ -34,10 +34,6 @@ fn scene(lamp: Quad, lights: Vec<Light>, receivers: Vec<Receiver>, sky: Option<S
     Scene::new(parts).unwrap()
 }
 
-fn point(position: [f64; 3]) -> Light {
-    Light::Point { position: position.into(), intensity: vec![1.0] }
-}
-
 fn desk(corner: [f64; 3], edges: [[f64; 3]; 2]) -> Receiver {
     Receiver { name: "desk".into(), corner: corner.into(), edges: edges.map(DVec3::from), counts: [3, 3] }
 }
@@ -50,7 +46,7 @@ const UP: [[f64; 3]; 2] = [[0.0, 0.0, 0.2], [0.2, 0.0, 0.0]];
 
 #[test]
 fn nothing_is_said_of_what_is_where_it_should_be() {
-    let lights = vec![point([0.5, 0.7, 0.5]), point([0.05, 0.05, 0.05])];
+    let lights = vec![point([0.5, 0.7, 0.5], &[1.0]), point([0.05, 0.05, 0.05], &[1.0])];
     let receivers = vec![desk([0.5, 0.4, 0.5], UP), desk([0.5, 0.4, 0.5], [UP[1], UP[0]])];
     assert_eq!(odd(&scene(LAMP, lights, receivers, None)), [""; 0]);
 }
@@ -69,7 +65,11 @@ fn lights_and_receivers_outside_or_in_solids_are_named() {
         let odd = odd(&scene(LAMP, lights, receivers, None));
         assert!(odd.len() == 1 && wanted.iter().all(|word| odd[0].contains(word)), "{odd:?}");
     };
-    says(vec![point([0.5; 3]), point([0.2; 3])], Vec::new(), &["light 2", "within object quad 7"]);
+    says(
+        vec![point([0.5; 3], &[1.0]), point([0.2; 3], &[1.0])],
+        Vec::new(),
+        &["light 2", "within object quad 7"],
+    );
     let away = Light::Spot {
         position: DVec3::new(0.5, 3.0, 0.5),
         direction: DVec3::Y,

@@ -5,18 +5,13 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use radiosity::output::Levels;
 use radiosity::patches::Basis;
-use radiosity::scene::{Light, Material, Receiver, Sky, SkyKind};
+use radiosity::scene::{Material, Receiver, Sky, SkyKind};
 use radiosity::trace::{Tracer, form_factor_to_triangle};
 use radiosity::transport::{LightOptions, ReceiverRows, Sources};
 
 use crate::program::{radiosity, text};
-use crate::scenes::{cut_into, flipped, lit_quads};
+use crate::scenes::{cut_into, flipped, lit_quads, point, square};
 use crate::scratch::Scratch;
-
-/// A square of this half-width at a height, facing up.
-fn plane(half: f64, y: f64) -> [[f64; 3]; 4] {
-    [[-half, y, -half], [-half, y, half], [half, y, half], [half, y, -half]]
-}
 
 /// Points on the square of half-width 0.5 at a height, facing up.
 fn desk(y: f64) -> Receiver {
@@ -31,7 +26,7 @@ fn desk(y: f64) -> Receiver {
 #[test]
 fn under_a_lamp_receivers_see_lamberts_formula() {
     let materials = vec![Material::diffuse("floor", &[0.0]), Material::lamp("lamp", &[0.0], &[7.0])];
-    let quads = [(plane(2.0, 0.0), 0), (flipped(plane(0.4, 1.0)), 1)];
+    let quads = [(square(0.0, 2.0), 0), (flipped(square(1.0, 0.4)), 1)];
     let scene = lit_quads(&quads, materials, vec![], None);
     let tracer = Tracer::new(&scene);
     let patches = cut_into(&tracer, 300);
@@ -62,8 +57,8 @@ fn lights_without_area_reach_receivers_and_lit_ground_shines_back() {
     let light = DVec3::new(0.2, 2.0, 0.1);
     let sky = Sky { kind: SkyKind::Overcast, up: DVec3::Y, zenith: vec![10.0], ground: 0.0 };
     let materials = vec![Material::diffuse("ground", &[0.5])];
-    let lamp = Light::Point { position: light, intensity: vec![30.0] };
-    let scene = lit_quads(&[(plane(1.0, 0.0), 0)], materials, vec![lamp], Some(sky));
+    let lamp = point(light, &[30.0]);
+    let scene = lit_quads(&[(square(0.0, 1.0), 0)], materials, vec![lamp], Some(sky));
     let tracer = Tracer::new(&scene);
     let patches = cut_into(&tracer, 500);
     let options = LightOptions { rays: 4096, ..Default::default() };

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use nalgebra::DMatrix;
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
-use radiosity::reference::{Budget, PathOptions};
+use radiosity::reference::{Budget, PathOptions, ReferenceRow};
 use radiosity::scene::{Face, FaceState, Light, Material, Scene, SceneParts, Sky, SkyKind};
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Solution};
 use radiosity::trace::Tracer;
@@ -25,6 +25,11 @@ pub fn kinds() -> impl Iterator<Item = (Basis, StorageKind)> {
 /// A scene by its path in the project.
 pub fn load(path: &str) -> Scene {
     Scene::load(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// What another renderer found in a scene of `tests/data`.
+pub fn reference(name: &str) -> Vec<ReferenceRow> {
+    ReferenceRow::read(format!("{}/tests/data/{name}.csv", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
 /// One of the example scenes.
@@ -84,6 +89,21 @@ pub fn flipped([a, b, c, d]: Quad) -> Quad {
 /// A square of this half-width at this height, facing up.
 pub fn square(y: f64, half: f64) -> Quad {
     [[-half, y, -half], [-half, y, half], [half, y, half], [half, y, -half]]
+}
+
+/// The unit square at this height between the axes, facing up.
+pub fn unit_square(y: f64) -> Quad {
+    [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]]
+}
+
+/// One material of this reflectance.
+pub fn grey(reflectance: f64) -> Vec<Material> {
+    vec![Material::diffuse("grey", &[reflectance])]
+}
+
+/// A light without area that sends the same everywhere, W·sr⁻¹ by channel.
+pub fn point(position: impl Into<DVec3>, intensity: &[f64]) -> Light {
+    Light::Point { position: position.into(), intensity: intensity.to_vec() }
 }
 
 /// A sun that shines along `direction`, as wide as `diameter` degrees.

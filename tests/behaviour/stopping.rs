@@ -2,18 +2,17 @@
 
 use std::path::Path;
 
-use glam::DVec3;
 use nalgebra::DMatrix;
 use radiosity::measure::{Energy, ErrorBars, ErrorPart};
 use radiosity::patches::{Basis, PatchSize, Patches};
 use radiosity::progress::Progress;
-use radiosity::scene::{Light, Material, Scene};
+use radiosity::scene::{Material, Scene};
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Problem, Solution, SolveError};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, Transport};
 
 use crate::program::{radiosity, text};
-use crate::scenes::{BASES, direct, flipped, lit_quads, quads, room, traced};
+use crate::scenes::{BASES, direct, flipped, lit_quads, load, mesh, point, quads, room, traced};
 use crate::scratch::Scratch;
 
 /// What conjugate gradients and the series are asked for; 0 is all that rounding leaves.
@@ -113,7 +112,7 @@ fn solvers_agree_through_sheets_and_in_the_dark_behind_them() {
 
 #[test]
 fn a_room_with_one_tiny_lamp_is_lit_to_its_end() {
-    let scene = Scene::load(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/led.obj")).unwrap();
+    let scene = load("tests/data/led.obj");
     let (patches, factors) = factors(&scene, 1000, (Basis::Constant, 128));
     let k = Transport::of(&factors, &patches).unwrap();
     let e = patches.emitted_radiance();
@@ -164,8 +163,7 @@ fn apart(patches: &Patches, found: &DMatrix<f64>, exact: &DMatrix<f64>) -> f64 {
 
 #[test]
 fn what_a_truncated_series_lacks_is_no_more_than_it_says() {
-    let two_rooms = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes/two_rooms.obj");
-    for scene in [Scene::cornell_box(), Scene::load(two_rooms).unwrap()] {
+    for scene in [Scene::cornell_box(), mesh("two_rooms")] {
         for basis in BASES {
             let (patches, factors) = factors(&scene, 500, (basis, 64));
             let emitted = basis.coefficients_of(&patches.emitted_radiance());
@@ -262,7 +260,7 @@ fn nothing_is_said_in_numbers_that_are_none_where_nothing_is_reflected() {
     // One light, and surfaces that are black: all radiance is zero.
     let wall: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     let other = flipped(wall).map(|[x, y, z]| [x, y, z + 1.0]);
-    let lights = vec![Light::Point { position: DVec3::new(0.5, 0.5, 0.4), intensity: vec![1.0] }];
+    let lights = vec![point([0.5, 0.5, 0.4], &[1.0])];
     let scene = lit_quads(&[(wall, 0), (other, 0)], vec![Material::diffuse("black", &[0.0])], lights, None);
     let (patches, factors) = factors(&scene, 60, (Basis::Constant, 64));
     let problem = Problem::new(&Tracer::new(&scene), &patches, &factors, &LightOptions::default()).unwrap();

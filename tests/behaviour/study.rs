@@ -13,6 +13,8 @@ use radiosity::progress::{Observer, Progress};
 use radiosity::scene::Scene;
 use radiosity::trace::Tracer;
 
+use crate::scenes::mesh;
+
 /// With time enough on the slowest machine, and a quick reference.
 fn options<'a>(noise: f64, patches: &[usize], rays: &[u32]) -> StudyOptions<'a> {
     let grid = Grid { patches: patches.to_vec(), rays: rays.to_vec() };
@@ -91,7 +93,7 @@ fn errors_fall_with_patches_rays_and_orders_and_conclusions_repeat_with_another_
 
 #[test]
 fn the_error_of_a_furnace_is_all_noise_and_said_to_be() {
-    let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/meshes/furnace_cube.obj")).unwrap();
+    let scene = mesh("furnace_cube");
     let tracer = Tracer::new(&scene);
     let mut study = Study::new(&tracer, options(0.005, &[100, 300, 900], &[16, 64])).unwrap();
     finish(&mut study);
@@ -189,7 +191,7 @@ fn a_study_that_was_stopped_resumes_to_the_same_table() {
         let wrong = forged(&table, column, value);
         assert!(read_study(&resumed, wrong.as_slice(), reference.as_slice()).is_none(), "{column} {value}");
     }
-    let other = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/meshes/two_rooms.obj")).unwrap();
+    let other = mesh("two_rooms");
     let tracer = Tracer::new(&other);
     let other = Study::new(&tracer, whole()).unwrap();
     assert!(read_study(&other, table.as_slice(), reference.as_slice()).is_none());

@@ -12,7 +12,7 @@ use radiosity::solve::{self, Problem, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, Plan, Sources, TraceOptions, Transport};
 
-use crate::scenes::{BASES, cut, flipped, lit_quads, paths, quads, room, square};
+use crate::scenes::{BASES, cut, flipped, lit_quads, paths, point, quads, room, square};
 use crate::scratch::Scratch;
 
 #[test]
@@ -72,7 +72,7 @@ fn lights_shine_through_a_sheet_dimmed_as_it_passes_light() {
     // Straight down: R = 0.04 once, (1 − R)/(1 + R) through.
     let (once, colour) = (0.04, [0.9, 0.5, 1.0]);
     let lights = vec![
-        Light::Point { position: DVec3::new(0.0, 20.0, 0.0), intensity: vec![800.0; 3] },
+        point([0.0, 20.0, 0.0], &[800.0; 3]),
         Light::Sun { direction: -DVec3::Y, irradiance: vec![3.0; 3], diameter: 0.0 },
     ];
     let irradiance = |material: Material| {

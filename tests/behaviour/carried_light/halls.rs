@@ -9,8 +9,8 @@ use radiosity::solve::{DirectOptions, Problem};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, TraceOptions};
 
-use super::{point, standard_errors, trace};
-use crate::scenes::{BASES, cut, flipped, lit_quads, paths, room};
+use super::{standard_errors, trace};
+use crate::scenes::{BASES, cut, flipped, lit_quads, paths, point, room};
 
 /// A room with such walls, a thick window in its roof, a mirror and a block of brushed metal in it, all
 /// coloured, and every kind of light around and within.

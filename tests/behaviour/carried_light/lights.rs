@@ -10,8 +10,8 @@ use radiosity::solve::Problem;
 use radiosity::trace::{Tracer, fresnel, solid_angle};
 use radiosity::transport::FormFactors;
 
-use super::{carried, flux, point, standard_errors, trace};
-use crate::scenes::{BASES, cut, flipped, lit_quads, room, square, sun};
+use super::{carried, flux, standard_errors, trace};
+use crate::scenes::{BASES, cut, flipped, lit_quads, point, room, square, sun};
 
 #[test]
 fn a_point_light_over_a_mirror_is_two_lights() {

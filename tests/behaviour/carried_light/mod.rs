@@ -7,13 +7,9 @@ mod skies; // closed forms, and with shots as without
 
 use nalgebra::DMatrix;
 use radiosity::patches::{Basis, Patches};
-use radiosity::scene::{Light, Side};
+use radiosity::scene::Side;
 use radiosity::trace::Tracer;
 use radiosity::transport::{LightOptions, Sources};
-
-fn point(position: [f64; 3], intensity: &[f64]) -> Light {
-    Light::Point { position: position.into(), intensity: intensity.to_vec() }
-}
 
 fn trace(tracer: &Tracer, patches: &Patches, basis: Basis, rays: u32) -> Sources {
     Sources::trace(tracer, patches, basis, &LightOptions { rays, ..Default::default() }).unwrap()

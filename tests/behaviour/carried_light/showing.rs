@@ -10,17 +10,12 @@ use radiosity::scene::{Camera, Material, Receiver, SkyKind};
 use radiosity::trace::Tracer;
 use radiosity::transport::{LightOptions, Plan, ReceiverRows};
 
-use super::{point, trace};
-use crate::scenes::{cut, lit_quads, sky, square, sun};
+use super::trace;
+use crate::scenes::{cut, grey, lit_quads, point, sky, square, sun};
 
 #[test]
 fn scenes_without_anything_that_carries_light_have_none_carried() {
-    let scene = lit_quads(
-        &[(square(0.0, 1.0), 0)],
-        vec![Material::diffuse("grey", &[0.5])],
-        vec![point([0.0, 1.0, 0.0], &[1.0])],
-        None,
-    );
+    let scene = lit_quads(&[(square(0.0, 1.0), 0)], grey(0.5), vec![point([0.0, 1.0, 0.0], &[1.0])], None);
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Count(8));
     assert_eq!(trace(&tracer, &patches, Basis::Constant, 64).carried, None);

@@ -8,7 +8,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, GroupFactor, Keep, TraceOptions};
 
 use super::{grouped, open_cube_with_a_sheet, pairs, written};
-use crate::scenes::{flipped, quads};
+use crate::scenes::{flipped, grey, quads, unit_square};
 
 #[test]
 fn form_factors_between_objects_are_reciprocal_and_close_with_escape() {
@@ -56,9 +56,9 @@ fn a_black_speck_and_what_it_sees_know_of_each_other() {
 #[test]
 fn the_balancing_of_noisy_rays_leaves_no_bias() {
     // Many patches of few rays each: without correction the mean is 2 standard errors off.
-    let floor = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+    let floor = unit_square(0.0);
     let wall = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]];
-    let scene = quads(&[(floor, 0), (wall, 0)], vec![Material::diffuse("grey", &[0.5])]);
+    let scene = quads(&[(floor, 0), (wall, 0)], grey(0.5));
     let tracer = Tracer::new(&scene);
     const SEEDS: u64 = 20;
     let of_seed = |seed: u64| {

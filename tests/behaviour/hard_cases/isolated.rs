@@ -6,11 +6,11 @@ use radiosity::trace::Tracer;
 use radiosity::transport::Transport;
 
 use super::{factors, hold_to_the_laws, iterative, lit_room};
-use crate::scenes::{Quad, STORAGES, direct, quads, room};
+use crate::scenes::{Quad, STORAGES, direct, grey, quads, room, unit_square};
 
 #[test]
 fn a_single_lamp_in_empty_space_keeps_its_light_to_none() {
-    let lamp = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+    let lamp = unit_square(0.0);
     let scene = quads(&[(lamp, 0)], vec![Material::lamp("lamp", &[0.5], &[2.0])]);
     for size in [PatchSize::Edge(10.0), PatchSize::Count(100)] {
         let means = hold_to_the_laws(&scene, size);
@@ -24,10 +24,7 @@ fn two_patches_solve_their_two_equations() {
     let mut parts = SceneParts { name: "pair".into(), objects: vec!["pair".into()], ..Default::default() };
     parts.materials = vec![Material::lamp("lamp", &[0.6], &[1.0]), Material::diffuse("grey", &[0.8])];
     let both = quads(
-        &[
-            ([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]], 0),
-            ([[0.0, 0.5, 0.0], [1.0, 0.5, 0.0], [1.0, 0.5, 1.0], [0.0, 0.5, 1.0]], 1),
-        ],
+        &[(unit_square(0.0), 0), ([[0.0, 0.5, 0.0], [1.0, 0.5, 0.0], [1.0, 0.5, 1.0], [0.0, 0.5, 1.0]], 1)],
         parts.materials.clone(),
     );
     parts.vertices = both.vertices().to_vec();
@@ -75,7 +72,7 @@ fn rooms_that_never_see_each_other_solve_each_by_itself() {
 #[test]
 fn nothing_is_a_patch_where_nothing_sees_anything() {
     let wall: Quad = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-    let scene = quads(&[(wall, 0)], vec![Material::diffuse("grey", &[0.5])]);
+    let scene = quads(&[(wall, 0)], grey(0.5));
     let tracer = Tracer::new(&scene);
     for reach in [Reach::Light, Reach::Everything] {
         let options = Tessellation { size: PatchSize::Count(50), reach, ..Default::default() };

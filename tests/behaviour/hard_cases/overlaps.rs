@@ -7,7 +7,7 @@ use radiosity::trace::Tracer;
 use radiosity::trace::sampling::Stream;
 
 use super::{hold_to_the_laws, lit_room};
-use crate::scenes::{Quad, flipped, quads, room};
+use crate::scenes::{Quad, flipped, grey, quads, room};
 
 #[test]
 fn duplicates_act_once() {
@@ -31,7 +31,7 @@ fn overlapping_and_interpenetrating_faces_stay_finite_and_balanced() {
 
 /// `count` triangles with corners drawn in the unit square of the floor, or in the unit cube.
 fn soup(count: u32, flat: bool) -> Scene {
-    let mut parts = SceneParts { materials: vec![Material::diffuse("grey", &[0.5])], ..Default::default() };
+    let mut parts = SceneParts { materials: grey(0.5), ..Default::default() };
     parts.objects.push("soup".into());
     for k in 0..count {
         for corner in 0..3 {

@@ -3,11 +3,11 @@
 use radiosity::measure::Grade;
 
 use super::{OPERATOR, check, find, judged, only, room_with_lamp, scene, triangles};
-use crate::scenes::{flipped, room};
+use crate::scenes::{flipped, room, unit_square};
 
 #[test]
 fn a_flipped_lamp_is_bad() {
-    let floor = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+    let floor = unit_square(0.0);
     let (_, lamp) = room_with_lamp(1.0);
     only(&scene(&[floor], &[lamp]), "lamps", Grade::Good);
     let found = only(&scene(&[floor], &[flipped(lamp)]), "lamps", Grade::Bad);

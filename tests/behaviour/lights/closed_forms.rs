@@ -9,13 +9,8 @@ use radiosity::scene::{Light, Side, SkyKind};
 use radiosity::trace::Tracer;
 use radiosity::transport::{LightOptions, Sources};
 
-use super::{grey, point, room_with_window};
-use crate::scenes::{BASES, cut, lit_quads, sky, sun};
-
-/// A square of this half-width on the ground, facing up.
-fn ground(half: f64) -> [[f64; 3]; 4] {
-    [[-half, 0.0, -half], [-half, 0.0, half], [half, 0.0, half], [half, 0.0, -half]]
-}
+use super::room_with_window;
+use crate::scenes::{BASES, cut, grey, lit_quads, point, sky, square, sun};
 
 /// H₀ of every patch of a scene, by means over patches.
 fn direct_light(tracer: &Tracer, patches: &Patches, basis: Basis, rays: u32) -> DMatrix<f64> {
@@ -27,7 +22,7 @@ fn direct_light(tracer: &Tracer, patches: &Patches, basis: Basis, rays: u32) -> 
 #[test]
 fn a_point_light_over_a_plane_obeys_the_inverse_square_and_cosine_laws() {
     let light = DVec3::new(0.3, 1.2, -0.4);
-    let scene = lit_quads(&[(ground(1.0), 0)], grey(0.5), vec![point(light.to_array(), 20.0)], None);
+    let scene = lit_quads(&[(square(0.0, 1.0), 0)], grey(0.5), vec![point(light, &[20.0])], None);
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Edge(0.02));
     assert!(patches.len() > 9000);
@@ -44,7 +39,7 @@ fn a_point_light_over_a_plane_obeys_the_inverse_square_and_cosine_laws() {
 #[test]
 fn unhidden_point_lights_are_exact_over_patches_of_any_size() {
     let light = DVec3::new(0.3, 0.2, -0.4);
-    let scene = lit_quads(&[(ground(1.0), 0)], grey(0.5), vec![point(light.to_array(), 1.0)], None);
+    let scene = lit_quads(&[(square(0.0, 1.0), 0)], grey(0.5), vec![point(light, &[1.0])], None);
     let tracer = Tracer::new(&scene);
     let whole = |edge: f64, rays: u32| {
         let patches = cut(&tracer, PatchSize::Edge(edge));
@@ -69,7 +64,7 @@ fn a_spot_lights_what_is_in_its_cone_as_a_point_does_and_nothing_else() {
     let position = DVec3::new(0.0, 1.0, 0.0);
     let spot =
         Light::Spot { position, direction: DVec3::NEG_Y, intensity: vec![3.0], cone: 30.0, penumbra: 10.0 };
-    let scene = lit_quads(&[(ground(1.0), 0)], grey(0.0), vec![spot], None);
+    let scene = lit_quads(&[(square(0.0, 1.0), 0)], grey(0.0), vec![spot], None);
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Edge(0.02));
     let found = direct_light(&tracer, &patches, Basis::Constant, 64);
@@ -77,13 +72,13 @@ fn a_spot_lights_what_is_in_its_cone_as_a_point_does_and_nothing_else() {
     for i in 0..patches.len() {
         let between = position - patches.centre(i);
         let angle = between.angle_between(DVec3::Y).to_degrees();
-        let point = 3.0 * between.y / between.length().powi(3);
+        let by_a_point = 3.0 * between.y / between.length().powi(3);
         if angle < 19.0 {
             inside += 1;
-            assert!((found[i] / point - 1.0).abs() < 1e-4, "{i}: {}", found[i]);
+            assert!((found[i] / by_a_point - 1.0).abs() < 1e-4, "{i}: {}", found[i]);
         } else if (21.0..29.0).contains(&angle) {
             edge += 1;
-            assert!(found[i] > 0.0 && found[i] < point);
+            assert!(found[i] > 0.0 && found[i] < by_a_point);
         } else if angle > 31.0 {
             assert_eq!(found[i], 0.0);
         }
@@ -143,7 +138,7 @@ fn open_ground_under_a_sky_has_its_closed_form() {
         (SkyKind::Overcast, 7.0 * PI / 9.0),
         (SkyKind::Constant, PI),
     ] {
-        let scene = lit_quads(&[(ground(1.0), 0)], grey(0.5), vec![], Some(sky(kind.clone(), 100.0)));
+        let scene = lit_quads(&[(square(0.0, 1.0), 0)], grey(0.5), vec![], Some(sky(kind.clone(), 100.0)));
         let tracer = Tracer::new(&scene);
         let patches = cut(&tracer, PatchSize::Count(200));
         for basis in BASES {
@@ -163,7 +158,7 @@ fn a_clear_sky_sends_what_its_own_integral_says() {
     let towards = DVec3::new(0.6, 0.5, -0.3).normalize();
     let clear = sky(SkyKind::Clear { sun: towards }, 10.0);
     let exact = 10.0 * clear.horizontal();
-    let scene = lit_quads(&[(ground(1.0), 0)], grey(0.5), vec![], Some(clear));
+    let scene = lit_quads(&[(square(0.0, 1.0), 0)], grey(0.5), vec![], Some(clear));
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Count(200));
     let found = direct_light(&tracer, &patches, Basis::Constant, 4096);

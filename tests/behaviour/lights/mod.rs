@@ -4,17 +4,7 @@ mod closed_forms; // point lights, spots, suns and skies
 mod settings; // units, lengths, bad ones
 mod solutions; // what is reflected, energy, light paths, the same bits
 
-use radiosity::scene::{Light, Material};
-
 use crate::scenes::room;
-
-fn grey(reflectance: f64) -> Vec<Material> {
-    vec![Material::diffuse("grey", &[reflectance])]
-}
-
-fn point(position: [f64; 3], intensity: f64) -> Light {
-    Light::Point { position: position.into(), intensity: vec![intensity] }
-}
 
 /// A room with a hole in its front wall (z = 0), 1 m wide from x = 1 and 1 m high from y = 1; 3 m each way.
 fn room_with_window() -> Vec<([[f64; 3]; 4], u32)> {

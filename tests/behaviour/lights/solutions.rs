@@ -9,15 +9,15 @@ use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Problem};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
-use super::{grey, point, room_with_window};
-use crate::scenes::{BASES, cut, lit_quads, paths, sky, sun};
+use super::room_with_window;
+use crate::scenes::{BASES, cut, grey, lit_quads, paths, point, sky, sun};
 
 /// A room with a window under every kind of light.
 fn daylit_room() -> Scene {
     let towards = [0.2, 0.8, -0.9];
     let lights = vec![
         sun(towards.map(|x| -x), 30.0, 4.0),
-        point([1.0, 2.0, 2.5], 2.0),
+        point([1.0, 2.0, 2.5], &[2.0]),
         Light::Spot {
             position: DVec3::new(2.5, 2.9, 2.0),
             direction: DVec3::new(-0.4, -1.0, 0.0).normalize(),

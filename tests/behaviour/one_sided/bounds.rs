@@ -1,9 +1,9 @@
 //! Upper bounds on form factors that few rays or none have found.
 
-use radiosity::scene::{Material, Scene};
+use radiosity::scene::Scene;
 
 use super::{Effort, FRONTS, by_object, data, factor, place};
-use crate::scenes::{flipped, quads};
+use crate::scenes::{facing, flipped, grey, quads};
 
 #[test]
 fn zero_hits_have_an_upper_bound() {
@@ -30,13 +30,8 @@ fn upper_bounds_of_rare_pairs_hold_in_95_cases_of_100() {
     let low = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     const APART: f64 = 12.0;
     let high = flipped(low.map(|[x, y, _]| [x, y, APART]));
-    let scene = quads(&[(low, 0), (high, 0)], vec![Material::diffuse("grey", &[0.5])]);
-    // Howell C-11.
-    let x = 1.0 / APART;
-    let q = (1.0 + x * x).sqrt();
-    let logarithm = (q * q / (1.0 + 2.0 * x * x).sqrt()).ln();
-    let exact =
-        2.0 / (std::f64::consts::PI * x * x) * (logarithm + 2.0 * (x * q * (x / q).atan() - x * x.atan()));
+    let scene = quads(&[(low, 0), (high, 0)], grey(0.5));
+    let exact = facing(APART);
     const RUNS: u64 = 200;
     let (mut exceeded, mut zeros) = (0, 0);
     for seed in 0..RUNS {

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use radiosity::patches::Reach;
-use radiosity::scene::Material;
 
 use super::{Effort, FRONTS, by_object, data, factor, records};
-use crate::scenes::{quads, room};
+use crate::scenes::{grey, quads, room};
 use crate::scratch::Scratch;
 
 #[test]
@@ -14,7 +13,7 @@ fn rows_and_what_escapes_sum_to_one_and_groups_are_reciprocal() {
     let sheet = [[0.2, 0.3, 0.5], [0.8, 0.3, 0.5], [0.8, 0.7, 0.5], [0.2, 0.7, 0.5]];
     let mut all: Vec<_> = room([0.0; 3], [1.0; 3])[..5].iter().map(|&quad| (quad, 0)).collect();
     all.push((sheet, 0));
-    let open = quads(&all, vec![Material::diffuse("grey", &[0.5])]);
+    let open = quads(&all, grey(0.5));
     for reach in [FRONTS, Reach::Everything] {
         by_object(&open, reach, Effort { patches: 300, rays: 64, seed: 1 }, |table| {
             let groups = table.groups().all();

@@ -9,15 +9,11 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, TraceOptions};
 
 use super::{Effort, FRONTS, by_object, factor};
-use crate::scenes::{flipped, quads};
+use crate::scenes::{flipped, grey, quads};
 
 /// Spheres around the origin, of 128 faces each: radius, and whether fronts are outside.
 fn spheres(all: &[(f64, bool)]) -> Scene {
-    let mut parts = SceneParts {
-        name: "spheres".into(),
-        materials: vec![Material::diffuse("grey", &[0.5])],
-        ..Default::default()
-    };
+    let mut parts = SceneParts { name: "spheres".into(), materials: grey(0.5), ..Default::default() };
     for (object, &(radius, outwards)) in all.iter().enumerate() {
         parts.objects.push(format!("sphere {object}"));
         let mut faces: Vec<[DVec3; 3]> = Vec::new();

@@ -8,7 +8,7 @@ use radiosity::solve::{self, DirectOptions};
 use radiosity::transport::Transport;
 
 use super::{around, every_solver, factors, paper};
-use crate::scenes::{flipped, quads};
+use crate::scenes::{flipped, quads, unit_square};
 
 #[test]
 fn light_comes_through_a_translucent_wall_and_through_no_other() {
@@ -42,8 +42,7 @@ fn each_side_reflects_by_itself() {
     // Two lamps of their own on both sides of an opaque card.
     let card = Material::diffuse("card", &[0.8]).with_sheet(&[0.1], &[0.0]);
     let lamp = Material::lamp("lamp", &[0.0], &[1.0]);
-    let square = |y: f64| [[0.0, y, 0.0], [0.0, y, 1.0], [1.0, y, 1.0], [1.0, y, 0.0]];
-    let faces = [(square(0.0), 1), (square(0.5), 0), (flipped(square(1.0)), 1)];
+    let faces = [(unit_square(0.0), 1), (unit_square(0.5), 0), (flipped(unit_square(1.0)), 1)];
     let scene = quads(&faces, vec![card, lamp]);
     let (patches, factors) = factors(&scene, PatchSize::Edge(0.3), (Basis::Constant, 256));
     let k = Transport::of(&factors, &patches).unwrap();

@@ -11,7 +11,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
 use super::walls;
-use crate::scenes::{BASES, cut_into, flipped, quads, room};
+use crate::scenes::{BASES, cut_into, flipped, load, quads, room};
 
 /// Radiance of lamps, W·sr⁻¹·m⁻².
 const LAMP: f64 = 30.0;
@@ -106,7 +106,7 @@ fn of_lamps(rows: &[FaceRow], first: usize, side: Side) -> Vec<f64> {
 
 #[test]
 fn a_tilted_lamp_lights_the_room_and_not_its_own_back() {
-    let scene = Scene::load(format!("{}/tests/data/tilted_lamp.obj", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let scene = load("tests/data/tilted_lamp.obj");
     for basis in BASES {
         let rows = irradiance(&scene, basis, [512, 256], 0);
         let backs = of_lamps(&rows, 12, Side::Back);

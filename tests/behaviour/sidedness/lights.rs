@@ -6,19 +6,18 @@ use glam::DVec3;
 use radiosity::measure::Energy;
 use radiosity::patches::Basis;
 use radiosity::reference::PathTracer;
-use radiosity::scene::{Light, Material, Scene};
+use radiosity::scene::{Light, Scene};
 use radiosity::solve::Problem;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
 use super::walls;
-use crate::scenes::{BASES, cut_into, flipped, lit_quads, paths};
+use crate::scenes::{BASES, cut_into, flipped, grey, lit_quads, paths, point};
 use crate::scratch::Scratch;
 
 /// The room with a light of 1 W·sr⁻¹.
 fn room_with_light(position: [f64; 3]) -> Scene {
-    let light = Light::Point { position: position.into(), intensity: vec![1.0] };
-    lit_quads(&walls(), vec![Material::diffuse("grey", &[0.5])], vec![light], None)
+    lit_quads(&walls(), grey(0.5), vec![point(position, &[1.0])], None)
 }
 
 /// Places on the room's surfaces: within a wall, on its diagonal, on an edge, in a corner; and how many of
@@ -55,7 +54,7 @@ fn a_spot_on_a_ceiling_sends_what_its_cone_holds_wherever_it_points() {
         let (position, direction) = (DVec3::new(1.5, 2.5, 1.5), direction.normalize());
         let light = Light::Spot { position, direction, intensity: vec![1.0], cone: 80.0, penumbra: 20.0 };
         let flux = light.flux().unwrap()[0];
-        let scene = lit_quads(&walls(), vec![Material::diffuse("grey", &[0.5])], vec![light], None);
+        let scene = lit_quads(&walls(), grey(0.5), vec![light], None);
         let tracer = Tracer::new(&scene);
         let patches = cut_into(&tracer, 400);
         for basis in BASES {
@@ -92,8 +91,8 @@ fn a_light_beside_a_surface_in_its_plane_neither_loses_light_nor_is_moved() {
     // In the plane of a table's top, but not on it.
     let table = [[0.2, 1.0, 0.2], [0.2, 1.0, 0.9], [0.9, 1.0, 0.9], [0.9, 1.0, 0.2]];
     let all: Vec<_> = walls().into_iter().chain([(table, 0)]).collect();
-    let light = Light::Point { position: DVec3::new(2.0, 1.0, 1.7), intensity: vec![1.0] };
-    let scene = lit_quads(&all, vec![Material::diffuse("grey", &[0.5])], vec![light.clone()], None);
+    let light = point([2.0, 1.0, 1.7], &[1.0]);
+    let scene = lit_quads(&all, grey(0.5), vec![light.clone()], None);
     assert!(scene.warnings().is_empty() && scene.lights().eq([&light]));
     let tracer = Tracer::new(&scene);
     let patches = cut_into(&tracer, 400);
@@ -137,10 +136,9 @@ fn the_path_tracer_finds_the_spot_of_a_light_on_a_surface() {
 #[test]
 fn between_sheets_back_to_back_a_light_is_before_the_first() {
     let sheet = [[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]];
-    let light = || Light::Point { position: DVec3::new(0.3, 0.0, 0.1), intensity: vec![1.0] };
     for (first, sign) in [(sheet, 1.0), (flipped(sheet), -1.0)] {
         let both = [(first, 0), (flipped(first), 0)];
-        let scene = lit_quads(&both, vec![Material::diffuse("grey", &[0.5])], vec![light()], None);
+        let scene = lit_quads(&both, grey(0.5), vec![point([0.3, 0.0, 0.1], &[1.0])], None);
         let y = scene.lights().next().and_then(Light::position).unwrap().y;
         assert!(sign * y > 0.0, "{y}");
     }

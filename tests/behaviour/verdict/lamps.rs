@@ -2,11 +2,11 @@
 
 use radiosity::measure::{Cause, Level, Verdict};
 use radiosity::patches::Basis;
-use radiosity::scene::{Light, Side};
+use radiosity::scene::Side;
 use radiosity::solve::Method;
 
 use super::{Case, lit_room, materials, only};
-use crate::scenes::{lit_quads, room};
+use crate::scenes::{lit_quads, point, room};
 
 #[test]
 fn a_dropped_lamp_is_missed_even_where_everything_else_adds_up() {
@@ -36,7 +36,7 @@ fn a_lamp_that_shines_from_its_other_side_is_missed() {
 #[test]
 fn lights_without_area_that_were_left_out_are_missed() {
     let walls = room([0.0; 3], [2.0; 3]).map(|wall| (wall, 0));
-    let light = Light::Point { position: [1.0; 3].into(), intensity: vec![5.0] };
+    let light = point([1.0; 3], &[5.0]);
     let scene = lit_quads(&walls, materials(), vec![light], None);
     let mut case = Case::new(&scene, 200, 64, Basis::Constant);
     assert_eq!(case.judge(&case.solve(Method::Direct)), Verdict::default());
