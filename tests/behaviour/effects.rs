@@ -10,7 +10,7 @@ use radiosity::solve::{Problem, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Shots, Sources, Switches, TraceOptions};
 
-use crate::scenes::{BASES, cut_into, facing, flipped, lit_quads, mesh, quads, room, unit_square};
+use crate::scenes::{BASES, cut_into, facing, flipped, lit_quads, mesh, parts_of, quads, room, unit_square};
 
 fn switched(scene: Scene, switches: &str) -> (Scene, Vec<String>) {
     let (scene, _, told) = switches.parse::<Switches>().unwrap().apply(scene);
@@ -19,14 +19,7 @@ fn switched(scene: Scene, switches: &str) -> (Scene, Vec<String>) {
 
 /// The same faces of other materials.
 fn with_materials(scene: &Scene, materials: Vec<Material>) -> Scene {
-    Scene::new(SceneParts {
-        vertices: scene.vertices().to_vec(),
-        faces: scene.faces().to_vec(),
-        objects: scene.objects().to_vec(),
-        materials,
-        ..Default::default()
-    })
-    .unwrap()
+    Scene::new(SceneParts { materials, ..parts_of(scene) }).unwrap()
 }
 
 /// Irradiance of every patch, by means, with all effects the scene has.

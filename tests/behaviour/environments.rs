@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use glam::DVec3;
-use image::{ImageFormat, Rgb, Rgb32FImage};
 use nalgebra::DMatrix;
 use radiosity::measure::{Difference, Energy};
 use radiosity::patches::{Basis, PatchSize, Patches};
@@ -16,6 +15,7 @@ use radiosity::solve::Problem;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
+use crate::picture_files::exr;
 use crate::scenes::{cut, cut_into, lit_quads, paths, room};
 use crate::scratch::Scratch;
 
@@ -155,13 +155,6 @@ fn the_picture_is_seen_behind_the_scene() {
 }
 
 const OBJ: &str = "mtllib a.mtl\nv -1 0 -1\nv -1 0 1\nv 1 0 1\nusemtl m\nf 1 2 3\n";
-
-fn exr(width: u32, height: u32, at: impl Fn(u32, u32) -> [f32; 3]) -> Vec<u8> {
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    let picture = Rgb32FImage::from_fn(width, height, |i, j| Rgb(at(i, j)));
-    picture.write_to(&mut bytes, ImageFormat::OpenExr).unwrap();
-    bytes.into_inner()
-}
 
 fn load(settings: &str, picture: Option<Vec<u8>>) -> Result<Scene, String> {
     let scratch = Scratch::with(&[("a.obj", OBJ), ("a.mtl", "newmtl m\nKd 0.5\n"), ("a.toml", settings)]);

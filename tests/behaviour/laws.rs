@@ -4,14 +4,15 @@ use glam::{DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
 use radiosity::measure::{Energy, RelativeRms};
 use radiosity::patches::{Basis, PatchSize, Patches};
-use radiosity::scene::{Material, Scene, SceneParts};
+use radiosity::scene::{Material, Scene};
 use radiosity::solve::{
     self, Certainty, CgOptions, DirectOptions, Method, NeumannOptions, Problem, Solution, SolveOptions,
 };
 use radiosity::transport::{Exchange, FormFactors, Sources, StorageKind, Transport};
 
 use crate::scenes::{
-    BASES, STORAGES, difference, every_solver_to, factors_of, kinds, load, mesh, quads, reference, room,
+    BASES, STORAGES, difference, every_solver_to, factors_of, kinds, load, mesh, moved, on_threads, quads,
+    reference, room,
 };
 
 const MESHES: [&str; 6] =
@@ -35,19 +36,6 @@ fn every_solver(k: &Transport, e: &DMatrix<f64>) -> [Solution; 3] {
 fn difference_in_mean_square(k: &Transport, a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
     let norm = |x: &DMatrix<f64>, c: usize| k.mass().root_mean_square(x.column(c));
     (0..b.ncols()).map(|c| norm(&(a - b), c) / norm(b, c)).fold(0.0, f64::max)
-}
-
-/// The scene with every vertex and the camera's place changed by `f`.
-fn transformed(scene: &Scene, f: impl Fn(DVec3) -> DVec3) -> Scene {
-    Scene::new(SceneParts {
-        name: scene.name().into(),
-        vertices: scene.vertices().iter().map(|&p| f(p)).collect(),
-        faces: scene.faces().to_vec(),
-        materials: scene.materials().to_vec(),
-        objects: scene.objects().to_vec(),
-        ..Default::default()
-    })
-    .unwrap()
 }
 
 /// n numbers between 0 and 1 without pattern.
@@ -255,11 +243,11 @@ fn size_and_place_of_a_scene_do_not_matter() {
     };
     let usual = answer(&scene);
     for scale in [1e-6, 1e6] {
-        let off = difference(&answer(&transformed(&scene, |p| p * scale)), &usual);
+        let off = difference(&answer(&moved(&scene, |p| p * scale)), &usual);
         assert!(off < 1e-6, "scaled by {scale}: {off}");
     }
     let far = DVec3::new(4e6, -7e6, 5e6);
-    let off = difference(&answer(&transformed(&scene, |p| p + far)), &usual);
+    let off = difference(&answer(&moved(&scene, |p| p + far)), &usual);
     assert!(off < 1e-4, "moved: {off}");
 }
 
@@ -267,7 +255,7 @@ fn size_and_place_of_a_scene_do_not_matter() {
 fn closed_meshes_let_no_ray_out() {
     let turn = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 1.1, -0.7);
     let far = DVec3::new(1000.0, -2000.0, 500.0);
-    let turned = transformed(&mesh("furnace_cube"), |p| turn * p + far);
+    let turned = moved(&mesh("furnace_cube"), |p| turn * p + far);
     for scene in [mesh("furnace_cube"), mesh("furnace_sphere"), mesh("two_rooms"), turned] {
         let (patches, factors) = factors(&scene, 500, 2048, StorageKind::Auto);
         assert!(patches.len() >= 400);
@@ -279,7 +267,7 @@ fn closed_meshes_let_no_ray_out() {
 fn the_number_of_threads_changes_no_bit() {
     let scene = mesh("cornell_box");
     let answer = |threads: usize| {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
+        on_threads(threads, || {
             let answer = |kind: (Basis, StorageKind)| {
                 let (patches, factors) = factors_of(&scene, PatchSize::Count(500), 64, kind);
                 let k = Transport::of(&factors, &patches).unwrap();

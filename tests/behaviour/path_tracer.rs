@@ -10,7 +10,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-use crate::scenes::{cut, cut_into, grey, load, paths, quads, reference, room};
+use crate::scenes::{cut, cut_into, grey, load, on_threads, paths, quads, reference, room};
 
 /// Faces as they are, each a patch.
 fn faces<'s>(tracer: &Tracer<'s>) -> Patches<'s> {
@@ -258,9 +258,8 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
     let tracer = Tracer::new(&scene);
     let patches = cut_into(&tracer, 200);
     let on = |threads: usize, seed: u64| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let options = PathOptions { seed, ..paths(30_000) };
-        pool.install(|| PathTracer::new(&tracer).irradiance(&patches, &options)).unwrap().means()
+        on_threads(threads, || PathTracer::new(&tracer).irradiance(&patches, &options)).unwrap().means()
     };
     assert_eq!(on(1, 3), on(3, 3));
     assert_ne!(on(1, 3), on(1, 4));

@@ -5,7 +5,7 @@ use radiosity::measure::odd_placement;
 use radiosity::scene::{Light, Material, Receiver, Scene, SceneParts, Sky, SkyKind};
 use radiosity::trace::Tracer;
 
-use crate::scenes::{Quad, flipped, lit_quads, point, room};
+use crate::scenes::{Quad, flipped, lit_quads, parts_of, point, room};
 use crate::scratch::Scratch;
 
 const LAMP: Quad = [[0.4, 0.9, 0.4], [0.6, 0.9, 0.4], [0.6, 0.9, 0.6], [0.4, 0.9, 0.6]];
@@ -21,15 +21,11 @@ fn scene(lamp: Quad, lights: Vec<Light>, receivers: Vec<Receiver>, sky: Option<S
     let mut faces = whole.faces().to_vec();
     faces.iter_mut().filter(|face| face.object >= 7).for_each(|face| face.object = 7);
     let parts = SceneParts {
-        name: "room".into(),
-        vertices: whole.vertices().to_vec(),
         faces,
-        materials: whole.materials().to_vec(),
-        objects: whole.objects().to_vec(),
         lights: whole.lights().cloned().collect(),
         sky: whole.sky().cloned(),
         receivers,
-        ..Default::default()
+        ..parts_of(&whole)
     };
     Scene::new(parts).unwrap()
 }

@@ -4,14 +4,14 @@ use std::io::Cursor;
 
 use nalgebra::DMatrix;
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
-use radiosity::scene::{Material, Scene, SceneParts};
+use radiosity::scene::{Material, Scene};
 use radiosity::trace::Tracer;
 use radiosity::trace::sampling::Stream;
 use radiosity::transport::{
     FactorsFileError, FormFactors, Keep, Reuse, StorageKind, TraceOptions, TransportError,
 };
 
-use crate::scenes::{irradiance, quads, room};
+use crate::scenes::{irradiance, moved, quads, room};
 
 /// A room with two lamps that may be on or off, and a divider that is lit on both sides.
 fn scene(lamps: [f64; 2], rho: f64) -> Scene {
@@ -168,16 +168,8 @@ fn a_file_that_does_not_fit_is_refused_with_the_reason() {
     let mut newer = file.clone();
     newer[8] += 1;
     assert_eq!(refused(&newer, &tracer), FactorsFileError::Version { found: 8 });
-    let moved = Scene::new(SceneParts {
-        name: "moved".into(),
-        vertices: scene.vertices().iter().map(|&p| p * 1.25).collect(),
-        faces: scene.faces().to_vec(),
-        materials: scene.materials().to_vec(),
-        objects: scene.objects().to_vec(),
-        ..Default::default()
-    });
-    let moved = moved.unwrap();
-    assert_eq!(refused(&file, &Tracer::new(&moved)), FactorsFileError::OtherScene);
+    let larger = moved(&scene, |p| p * 1.25);
+    assert_eq!(refused(&file, &Tracer::new(&larger)), FactorsFileError::OtherScene);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Small scenes, made on the spot, the scenes of the project, and what many tests do with either.
 
 use std::f64::consts::PI;
+use std::path::Path;
 
 use glam::DVec3;
 use nalgebra::DMatrix;
@@ -10,6 +11,8 @@ use radiosity::scene::{Face, FaceState, Light, Material, Scene, SceneParts, Sky,
 use radiosity::solve::{self, CgOptions, DirectOptions, NeumannOptions, Solution};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, StorageKind, TraceOptions, Transport};
+
+use crate::scratch::names;
 
 /// The corners of a quadrilateral, counter-clockwise seen from the front.
 pub type Quad = [[f64; 3]; 4];
@@ -35,6 +38,12 @@ pub fn reference(name: &str) -> Vec<ReferenceRow> {
 /// One of the example scenes.
 pub fn mesh(name: &str) -> Scene {
     load(&format!("meshes/{name}.obj"))
+}
+
+/// The names of all example scenes.
+pub fn meshes() -> Vec<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes");
+    names(&folder).iter().filter_map(|name| name.strip_suffix(".obj")).map(str::to_owned).collect()
 }
 
 /// Quadrilaterals by their corners, counter-clockwise seen from the front, each an object of its own with the
@@ -66,6 +75,32 @@ pub fn lit_quads(
         }
     }
     Scene::new(parts).unwrap()
+}
+
+/// What a scene is made of; without lights, sky and camera.
+pub fn parts_of(scene: &Scene) -> SceneParts {
+    SceneParts {
+        name: scene.name().into(),
+        vertices: scene.vertices().to_vec(),
+        faces: scene.faces().to_vec(),
+        materials: scene.materials().to_vec(),
+        objects: scene.objects().to_vec(),
+        ..Default::default()
+    }
+}
+
+/// The same with every vertex where `f` puts it.
+pub fn moved(scene: &Scene, f: impl Fn(DVec3) -> DVec3) -> Scene {
+    let vertices = scene.vertices().iter().map(|&p| f(p)).collect();
+    Scene::new(SceneParts { vertices, ..parts_of(scene) }).unwrap()
+}
+
+/// Adds a triangle with vertices of its own.
+pub fn push_triangle(parts: &mut SceneParts, corners: [DVec3; 3], material: u32, object: u32) {
+    let first = parts.vertices.len() as u32;
+    parts.vertices.extend(corners);
+    let vertices = [first, first + 1, first + 2];
+    parts.faces.push(Face { vertices, normals: None, material, object, state: FaceState::Kept });
 }
 
 /// The box from `low` to `high` seen from inside: quads x, y, z at the low end, then at the high end.
@@ -154,6 +189,11 @@ pub fn irradiance(patches: &Patches, factors: &FormFactors) -> DMatrix<f64> {
 /// As many light paths.
 pub fn paths(count: u64) -> PathOptions<'static> {
     PathOptions { budget: Budget { paths: Some(count), ..Default::default() }, ..Default::default() }
+}
+
+/// What comes of it on so many threads.
+pub fn on_threads<T: Send>(threads: usize, f: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(f)
 }
 
 /// The direct solver's answer.

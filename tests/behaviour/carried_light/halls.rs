@@ -10,7 +10,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, TraceOptions};
 
 use super::{standard_errors, trace};
-use crate::scenes::{BASES, cut, flipped, lit_quads, paths, point, room};
+use crate::scenes::{BASES, cut, flipped, lit_quads, on_threads, paths, point, room};
 
 /// A room with such walls, a thick window in its roof, a mirror and a block of brushed metal in it, all
 /// coloured, and every kind of light around and within.
@@ -145,10 +145,7 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Count(100));
     for basis in BASES {
-        let [one, three] = [1, 3].map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| trace(&tracer, &patches, basis, 256))
-        });
+        let [one, three] = [1, 3].map(|threads| on_threads(threads, || trace(&tracer, &patches, basis, 256)));
         assert_eq!(one, three);
         let constant = trace(&tracer, &patches, Basis::Constant, 256).carried.unwrap().irradiance;
         let means = basis.means(&one.carried.unwrap().irradiance);

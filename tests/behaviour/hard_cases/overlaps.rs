@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 use radiosity::patches::{PatchError, PatchSize, Patches, Reach, Tessellation};
-use radiosity::scene::{Face, FaceState, Material, Scene, SceneParts};
+use radiosity::scene::{Material, Scene, SceneParts};
 use radiosity::trace::Tracer;
 use radiosity::trace::sampling::Stream;
 
 use super::{hold_to_the_laws, lit_room};
-use crate::scenes::{Quad, flipped, grey, quads, room};
+use crate::scenes::{Quad, flipped, grey, push_triangle, quads, room};
 
 #[test]
 fn duplicates_act_once() {
@@ -34,17 +34,11 @@ fn soup(count: u32, flat: bool) -> Scene {
     let mut parts = SceneParts { materials: grey(0.5), ..Default::default() };
     parts.objects.push("soup".into());
     for k in 0..count {
-        for corner in 0..3 {
+        let corners = [0, 1, 2].map(|corner| {
             let [x, y, z, _] = Stream::Callers.sequence(1, k, 0).point(corner);
-            parts.vertices.push(DVec3::new(x, y, if flat { 0.0 } else { z }));
-        }
-        parts.faces.push(Face {
-            vertices: [0, 1, 2].map(|corner| 3 * k + corner),
-            normals: None,
-            material: 0,
-            object: 0,
-            state: FaceState::Kept,
+            DVec3::new(x, y, if flat { 0.0 } else { z })
         });
+        push_triangle(&mut parts, corners, 0, 0);
     }
     Scene::new(parts).unwrap()
 }

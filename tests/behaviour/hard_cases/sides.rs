@@ -1,11 +1,11 @@
 //! Which side is the front: winding, and sheets lit from both sides.
 
 use radiosity::patches::PatchSize;
-use radiosity::scene::{Material, Scene, SceneParts};
+use radiosity::scene::{Material, Scene};
 use radiosity::transport::{StorageKind, Transport};
 
 use super::{factors, hold_to_the_laws, lit_room};
-use crate::scenes::{Quad, direct, flipped, quads};
+use crate::scenes::{Quad, direct, flipped, parts_of, quads};
 
 #[test]
 fn inverted_winding_of_walls_changes_nothing_and_of_lamps_turns_them_round() {
@@ -13,14 +13,7 @@ fn inverted_winding_of_walls_changes_nothing_and_of_lamps_turns_them_round() {
     let size = PatchSize::Edge(0.1);
     let means = hold_to_the_laws(&usual, size);
     let flip = |which: &dyn Fn(usize) -> bool| {
-        let mut parts = SceneParts {
-            name: "flipped".into(),
-            vertices: usual.vertices().to_vec(),
-            faces: usual.faces().to_vec(),
-            materials: usual.materials().to_vec(),
-            objects: usual.objects().to_vec(),
-            ..Default::default()
-        };
+        let mut parts = parts_of(&usual);
         let faces = parts.faces.iter_mut().enumerate();
         faces.filter(|(k, _)| which(k / 2)).for_each(|(_, face)| face.vertices.swap(1, 2));
         hold_to_the_laws(&Scene::new(parts).unwrap(), size)

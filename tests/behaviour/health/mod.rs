@@ -11,11 +11,11 @@ use glam::DVec3;
 use radiosity::measure::{Finding, Grade, mesh_health, operator_health};
 use radiosity::patches::{PatchSize, Patches, Reach, Tessellation};
 use radiosity::progress::Progress;
-use radiosity::scene::{Face, FaceState, Material, Scene, SceneParts};
+use radiosity::scene::{Material, Scene, SceneParts};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions};
 
-use crate::scenes::{Quad, quads, room};
+use crate::scenes::{Quad, push_triangle, quads, room};
 
 /// The operator's findings.
 const OPERATOR: [&str; 5] = ["closure", "reciprocity", "row sums", "‖K‖∞", "condition"];
@@ -99,16 +99,7 @@ fn triangles(faces: &[([[f64; 3]; 3], u32)]) -> Scene {
         ..Default::default()
     };
     for (corners, material) in faces {
-        let first = parts.vertices.len() as u32;
-        parts.vertices.extend(corners.map(DVec3::from));
-        let vertices = [first, first + 1, first + 2];
-        parts.faces.push(Face {
-            vertices,
-            normals: None,
-            material: *material,
-            object: 0,
-            state: FaceState::Kept,
-        });
+        push_triangle(&mut parts, corners.map(DVec3::from), *material, 0);
     }
     Scene::new(parts).unwrap()
 }

@@ -1,12 +1,9 @@
 //! Sound scenes: nothing is bad.
 
-use std::path::Path;
-
 use radiosity::measure::Grade;
-use radiosity::scene::Scene;
 
 use super::{OPERATOR, check, closed_room, find};
-use crate::scratch::names;
+use crate::scenes::{mesh, meshes};
 
 #[test]
 fn a_sound_closed_room_is_good_in_every_way() {
@@ -20,9 +17,8 @@ fn a_sound_closed_room_is_good_in_every_way() {
 
 #[test]
 fn the_meshes_of_this_project_have_nothing_bad() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("meshes");
-    for name in names(&folder).iter().filter(|name| name.ends_with(".obj")) {
-        let findings = check(&Scene::load(folder.join(name)).unwrap());
+    for name in meshes() {
+        let findings = check(&mesh(&name));
         let wrong: Vec<_> = findings.iter().filter(|f| f.verdict > Grade::Note).collect();
         assert!(wrong.is_empty(), "{name}: {wrong:#?}");
         assert_eq!(find(&findings, "lamps").verdict, Grade::Good, "{name}");

@@ -10,7 +10,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
 use super::room_with_window;
-use crate::scenes::{BASES, cut, grey, lit_quads, paths, point, sky, sun};
+use crate::scenes::{BASES, cut, grey, lit_quads, on_threads, paths, point, sky, sun};
 
 /// A room with a window under every kind of light.
 fn daylit_room() -> Scene {
@@ -99,11 +99,7 @@ fn scenes_without_such_lights_have_no_direct_irradiance() {
 fn the_same_seed_gives_the_same_light_on_any_number_of_threads() {
     let scene = daylit_room();
     let answer = |threads: usize| {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap()
-            .install(|| BASES.map(|basis| problem(&scene, 300, basis).2.sources().clone()))
+        on_threads(threads, || BASES.map(|basis| problem(&scene, 300, basis).2.sources().clone()))
     };
     assert!(answer(1) == answer(3));
 }

@@ -4,12 +4,12 @@ use glam::DVec3;
 use radiosity::output::FactorTable;
 use radiosity::patches::{GroupBy, Groups, PatchSize, Patches, Reach, Tessellation};
 use radiosity::progress::Progress;
-use radiosity::scene::{Face, FaceState, Material, Scene, SceneParts, Side};
+use radiosity::scene::{Material, Scene, SceneParts, Side};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, TraceOptions};
 
 use super::{Effort, FRONTS, by_object, factor};
-use crate::scenes::{flipped, grey, quads};
+use crate::scenes::{flipped, grey, push_triangle, quads};
 
 /// Spheres around the origin, of 128 faces each: radius, and whether fronts are outside.
 fn spheres(all: &[(f64, bool)]) -> Scene {
@@ -32,17 +32,8 @@ fn spheres(all: &[(f64, bool)]) -> Scene {
                 .collect();
         }
         for [a, b, c] in faces {
-            let first = parts.vertices.len() as u32;
-            parts.vertices.extend([a, b, c].map(|p| p * radius));
-            let vertices =
-                if outwards { [first, first + 1, first + 2] } else { [first, first + 2, first + 1] };
-            parts.faces.push(Face {
-                vertices,
-                normals: None,
-                material: 0,
-                object: object as u32,
-                state: FaceState::Kept,
-            });
+            let corners = if outwards { [a, b, c] } else { [a, c, b] };
+            push_triangle(&mut parts, corners.map(|p| p * radius), 0, object as u32);
         }
     }
     Scene::new(parts).unwrap()

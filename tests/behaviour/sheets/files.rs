@@ -4,6 +4,7 @@ use radiosity::patches::{Basis, PatchSize, Sheets};
 use radiosity::scene::{Material, Pixels, Scene, SceneError, SceneParts, Side, Texture, Textures};
 
 use super::{around, factors};
+use crate::scenes::parts_of;
 use crate::scratch::Scratch;
 
 #[test]
@@ -24,13 +25,8 @@ fn a_picture_on_a_sheet_varies_what_it_reflects_and_not_what_comes_through() {
         }
     }
     let too_bright = sheet.with_sheet(&[1.0; 3], &[0.21; 3]);
-    let refused = Scene::new(SceneParts {
-        vertices: scene.vertices().to_vec(),
-        faces: scene.faces().to_vec(),
-        objects: scene.objects().to_vec(),
-        materials: scene.materials()[..3].iter().cloned().chain([textured(too_bright)]).collect(),
-        ..Default::default()
-    });
+    let materials = scene.materials()[..3].iter().cloned().chain([textured(too_bright)]).collect();
+    let refused = Scene::new(SceneParts { materials, ..parts_of(&scene) });
     let message = refused.unwrap_err().to_string();
     assert!(
         ["material sheet", "reflectance_back 0.8", "0.21", "lower"].iter().all(|word| message.contains(word)),

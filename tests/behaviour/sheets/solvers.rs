@@ -9,7 +9,7 @@ use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, StorageKind, TraceOptions, Transport};
 
 use super::{around, every_solver, factors, gauze, paper};
-use crate::scenes::{cut_into, difference, paths};
+use crate::scenes::{cut_into, difference, on_threads, paths};
 
 #[test]
 fn bounds_hold_through_sheets() {
@@ -83,8 +83,7 @@ fn light_through_sheets_adds_up() {
 fn the_same_bits_come_through_on_any_number_of_threads() {
     let scene = around(gauze());
     let answers = [1, 3].map(|threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
+        on_threads(threads, || {
             let (patches, factors) = factors(&scene, PatchSize::Count(600), (Basis::Constant, 64));
             let k = Transport::of(&factors, &patches).unwrap();
             let tracer = Tracer::new(&scene);

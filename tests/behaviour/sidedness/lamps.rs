@@ -5,13 +5,13 @@ use std::f64::consts::{PI, TAU};
 use glam::{DQuat, DVec3};
 use radiosity::measure::Energy;
 use radiosity::patches::{Basis, FaceRow, PatchSize, Patches, Tessellation};
-use radiosity::scene::{Face, FaceState, Material, Scene, SceneParts, Side};
+use radiosity::scene::{Material, Scene, SceneParts, Side};
 use radiosity::solve;
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, TraceOptions, Transport};
 
 use super::walls;
-use crate::scenes::{BASES, cut_into, flipped, load, quads, room};
+use crate::scenes::{BASES, cut_into, flipped, load, moved, parts_of, push_triangle, quads, room};
 
 /// Radiance of lamps, W·sr⁻¹·m⁻².
 const LAMP: f64 = 30.0;
@@ -23,20 +23,10 @@ fn materials() -> Vec<Material> {
 
 /// The walls, and triangles that emit.
 fn room_with(lamps: &[[DVec3; 3]]) -> Scene {
-    let scene = quads(&walls(), materials());
-    let mut parts = SceneParts {
-        name: "room with lamps".into(),
-        vertices: scene.vertices().to_vec(),
-        faces: scene.faces().to_vec(),
-        materials: materials(),
-        objects: vec!["all".into(); 6],
-        ..Default::default()
-    };
-    for corners in lamps {
-        let first = parts.vertices.len() as u32;
-        parts.vertices.extend(corners);
-        let vertices = [first, first + 1, first + 2];
-        parts.faces.push(Face { vertices, normals: None, material: 1, object: 0, state: FaceState::Kept });
+    let objects = vec!["all".into(); 6];
+    let mut parts = SceneParts { objects, ..parts_of(&quads(&walls(), materials())) };
+    for &corners in lamps {
+        push_triangle(&mut parts, corners, 1, 0);
     }
     Scene::new(parts).unwrap()
 }
@@ -179,16 +169,8 @@ fn irradiance_does_not_change_as_the_scene_is_turned() {
     let lamps = box_lamp(rotation(1));
     let level = over_seeds(&room_with(&lamps), [128, 128], 0..12);
     for k in [3, 4] {
-        let scene = room_with(&lamps);
-        let turned = SceneParts {
-            name: "turned".into(),
-            vertices: scene.vertices().iter().map(|&p| rotation(k) * p).collect(),
-            faces: scene.faces().to_vec(),
-            materials: materials(),
-            objects: vec!["all".into(); 6],
-            ..Default::default()
-        };
-        let turned = over_seeds(&Scene::new(turned).unwrap(), [128, 128], 50..62);
+        let turned = moved(&room_with(&lamps), |p| rotation(k) * p);
+        let turned = over_seeds(&turned, [128, 128], 50..62);
         assert_same(&turned, &level, &format!("turn {k}"));
     }
 }

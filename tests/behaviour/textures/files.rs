@@ -2,24 +2,20 @@
 
 use std::sync::Arc;
 
-use image::{ImageFormat, Rgb, Rgb32FImage, RgbImage};
 use radiosity::scene::Scene;
 
+use crate::picture_files;
 use crate::scratch::Scratch;
 
 const OBJ: &str =
     "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n";
 
 fn png(colour: [u8; 3]) -> Vec<u8> {
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    RgbImage::from_pixel(4, 4, Rgb(colour)).write_to(&mut bytes, ImageFormat::Png).unwrap();
-    bytes.into_inner()
+    picture_files::png(4, 4, |_, _| colour)
 }
 
 fn exr(colour: [f32; 3]) -> Vec<u8> {
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    Rgb32FImage::from_pixel(4, 4, Rgb(colour)).write_to(&mut bytes, ImageFormat::OpenExr).unwrap();
-    bytes.into_inner()
+    picture_files::exr(4, 4, |_, _| colour)
 }
 
 /// A scene of one triangle whose material has these lines.
@@ -121,11 +117,7 @@ fn what_a_picture_cannot_do_is_warned_of() {
 
 #[test]
 fn coordinates_are_the_face_corners_own_and_options_move_them() {
-    let mut picture = RgbImage::new(2, 1);
-    picture.put_pixel(1, 0, Rgb([255; 3]));
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, ImageFormat::Png).unwrap();
-    let files = [("a.png", bytes.into_inner())];
+    let files = [("a.png", picture_files::png(2, 1, |i, _| if i == 0 { [0; 3] } else { [255; 3] }))];
     // Point [s, t] of the face has coordinates (s, t).
     for (options, point, wanted) in [
         ("", [0.25, 0.1], 0.0),

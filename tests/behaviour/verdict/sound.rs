@@ -3,25 +3,17 @@
 use radiosity::measure::{ErrorBars, Verdict};
 use radiosity::patches::Basis;
 use radiosity::progress::Progress;
-use radiosity::scene::Scene;
 use radiosity::solve::Method;
 
 use super::Case;
-
-fn meshes() -> Vec<String> {
-    let folder = format!("{}/meshes", env!("CARGO_MANIFEST_DIR"));
-    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let mut paths: Vec<_> = entries.filter(|path| path.extension().is_some_and(|e| e == "obj")).collect();
-    paths.sort();
-    paths.into_iter().map(|path| path.display().to_string()).collect()
-}
+use crate::scenes::{mesh, meshes};
 
 const METHODS: [Method; 3] = [Method::Direct, Method::ConjugateGradients, Method::Neumann];
 
 #[test]
 fn answers_on_sound_scenes_are_good_and_give_no_reasons() {
-    for path in meshes() {
-        let scene = Scene::load(&path).unwrap();
+    for name in meshes() {
+        let scene = mesh(&name);
         for basis in [Basis::Constant, Basis::Linear] {
             for rays in [16, 64] {
                 let mut case = Case::new(&scene, 400, rays, basis);
@@ -36,7 +28,7 @@ fn answers_on_sound_scenes_are_good_and_give_no_reasons() {
                 for method in methods {
                     let solution = case.solve(*method);
                     let verdict = case.judge(&solution);
-                    assert_eq!(verdict, Verdict::default(), "{path} {basis:?} {rays} {method:?}");
+                    assert_eq!(verdict, Verdict::default(), "{name} {basis:?} {rays} {method:?}");
                 }
             }
         }
