@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn makes_no_folder_and_says_so() {
+    fn a_write_into_a_missing_folder_makes_none_and_says_so() {
         let folder = tempfile::tempdir().unwrap();
         let failed = replace(folder.path().join("none/a.txt"), |w| w.write_all(b"x"));
         assert!(failed.unwrap_err().to_string().contains("check that the folder exists"));

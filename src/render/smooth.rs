@@ -408,7 +408,7 @@ mod tests {
     }
 
     #[test]
-    fn never_mixes_materials_sides_or_surfaces_that_meet_at_a_crease() {
+    fn smoothing_never_mixes_materials_sides_or_surfaces_that_meet_at_a_crease() {
         let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
         let walls = [quad([0.0; 3], x, y), quad(x, x, y), quad([0.0; 3], y, z)].concat();
         let materials = ["one", "two"].map(|name| Material::diffuse(name, &[0.5])).to_vec();

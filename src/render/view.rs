@@ -229,13 +229,13 @@ mod tests {
     }
 
     #[test]
-    fn stands_inside_a_closed_room() {
+    fn a_view_stands_inside_a_closed_room() {
         let position = camera_for(&room(Material::lamp("wall", &[0.5], &[1.0]))).position;
         assert!(position.min_element() > 0.0 && position.max_element() < 1.0, "{position}");
     }
 
     #[test]
-    fn looks_into_an_open_box_from_outside() {
+    fn a_view_looks_into_an_open_box_from_outside() {
         let walls =
             [quad([0.0; 3], Z, X), quad([0.0; 3], X, Y), quad([0.0; 3], Y, Z), quad(Y, X, Z), quad(X, Z, Y)];
         // There is no wall at z = 1.
@@ -244,14 +244,14 @@ mod tests {
     }
 
     #[test]
-    fn stands_around_a_lone_object() {
+    fn a_view_stands_away_from_a_lone_object() {
         let scene = triangles(&block(0.0), &[0; 12], vec![Material::lamp("block", &[0.5], &[1.0])]);
         let position = camera_for(&scene).position - DVec3::splat(0.5);
         assert!(position.abs().max_element() > 0.7, "{position}");
     }
 
     #[test]
-    fn stands_above_the_ground_an_object_stands_on() {
+    fn a_view_stands_above_the_ground_an_object_stands_on() {
         let mut faces = block(1e-3);
         faces.extend(quad([-4.0, 0.0, -4.0], [0.0, 0.0, 9.0], [9.0, 0.0, 0.0]));
         let of: Vec<u32> = (0..14).map(|f| u32::from(f < 12)).collect();
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn stays_valid_where_there_is_almost_nothing() {
+    fn a_view_stays_valid_where_there_is_almost_nothing() {
         let speck = [[[0.0; 3], [1e-9, 0.0, 0.0], [0.0, 1e-9, 0.0]]];
         camera_for(&triangles(&speck, &[0], vec![Material::diffuse("speck", &[0.5])]));
     }

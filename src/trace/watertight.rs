@@ -74,7 +74,7 @@ mod tests {
     const CORNERS: Corners = [[0.0; 4], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]];
 
     #[test]
-    fn gives_distance_weights_and_side() {
+    fn a_crossing_has_its_distance_barycentrics_and_side() {
         for (height, front) in [(2.0, true), (-2.0, false)] {
             let direction = DVec3::new(0.0, 0.0, -height).normalize();
             let crossing = Shear::new(DVec3::new(0.25, 0.5, height), direction).cross(&CORNERS).unwrap();

@@ -173,19 +173,19 @@ fn error_against(name: &str, scene: &Scene, object: Option<&str>) -> f64 {
 }
 
 #[test]
-fn agrees_with_another_renderer_where_light_arrives_by_a_mirror() {
+fn irradiance_agrees_with_another_renderer_where_light_arrives_by_a_mirror() {
     let error = error_against("mirror_room", &load("tests/data/mirror_room.obj"), None);
     assert!(error < 0.015, "{error}");
 }
 
 #[test]
-fn agrees_with_another_renderer_on_a_floor_under_glass_balls() {
+fn irradiance_agrees_with_another_renderer_on_a_floor_under_glass_balls() {
     let error = error_against("glass_balls", &load("meshes/glass_balls.obj"), Some("floor"));
     assert!(error < 0.03, "{error}");
 }
 
 #[test]
-fn agrees_with_another_renderer_where_rough_metals_of_any_colour_pass_light_on() {
+fn irradiance_agrees_with_another_renderer_where_rough_metals_of_any_colour_pass_light_on() {
     let error = error_against("glossy_floor", &load("meshes/glossy_floor.obj"), None);
     assert!(error < 0.008, "{error}");
 }

@@ -119,7 +119,7 @@ fn a_furnace_around_coloured_glass_balances_in_every_channel() {
 }
 
 #[test]
-fn saved_form_factors_hold_every_tone() {
+fn saved_form_factors_hold_every_channel() {
     let scene = room_with(Material::mirror("gold", &[0.9, 0.6, 0.2]));
     let tracer = Tracer::new(&scene);
     for basis in BASES {

@@ -20,7 +20,7 @@ fn factors<'s>(tracer: &Tracer<'s>, edge: f64, rays: u32, basis: Basis) -> (Patc
 }
 
 #[test]
-fn around_corners_they_err_less_than_half_as_much_against_an_independent_path_tracer() {
+fn around_corners_linear_elements_err_less_than_half_as_much_as_constant_ones() {
     let scene = load("tests/data/corridor.obj");
     let tracer = Tracer::new(&scene);
     let reference = reference("corridor");
@@ -62,7 +62,7 @@ fn field_error(tracer: &Tracer, patches: &Patches, basis: Basis, h: &DMatrix<f64
 }
 
 #[test]
-fn the_error_of_a_field_falls_with_the_square_of_the_edge_and_of_constant_ones_with_the_edge() {
+fn the_error_of_linear_elements_falls_with_the_square_of_the_edge_and_of_constant_ones_with_the_edge() {
     let floor = unit_square(0.0);
     let lamp = [[0.3, 0.8, 0.3], [0.7, 0.8, 0.3], [0.7, 0.8, 0.7], [0.3, 0.8, 0.7]];
     let materials = vec![Material::diffuse("floor", &[0.5]), Material::lamp("lamp", &[0.0], &[1.0])];

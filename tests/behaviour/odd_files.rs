@@ -71,7 +71,7 @@ fn lines_go_on_after_a_backslash() {
 }
 
 #[test]
-fn the_same_scene_in_utf_16() {
+fn a_scene_in_utf_16_is_the_same_as_in_utf_8() {
     let encoded = |text: &str, mark: bool| -> Vec<u8> {
         let mark = mark.then_some(0xfeff);
         mark.into_iter().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect()

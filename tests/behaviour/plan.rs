@@ -28,7 +28,7 @@ fn stage(forecast: &Forecast, name: &str) -> Cost {
 }
 
 #[test]
-fn patches_and_bytes_come_out_about_as_foretold() {
+fn patches_and_bytes_come_out_about_as_predicted() {
     // To a tenth where nothing stands in the way, else to a third; where many small things hide each other,
     // what is foretold is up to half too much.
     let (open, furnished, crowded) = (0.1, 1.0 / 3.0, 0.55);

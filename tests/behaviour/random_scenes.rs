@@ -12,7 +12,7 @@ mod tally;
 use crate::scratch::Scratch;
 
 #[test]
-fn laws_hold_on_random_scenes() {
+fn energy_balances_solvers_agree_and_bounds_hold_on_random_scenes() {
     let scratch = Scratch::new();
     let outcomes = laws::check_all(0..60, scratch.folder(), |_| {}).expect("a writable folder");
     let tally = tally::Tally(outcomes);

@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn anything_can_be_compared() {
+    fn pictures_of_nothing_and_of_invalid_numbers_can_be_compared() {
         let nothing = Picture::new(1, 1, vec![[0.0; 3]]);
         let wild = Picture::new(1, 1, vec![[f32::NAN, f32::INFINITY, -1.0]]);
         for pair in [[&nothing, &nothing], [&wild, &nothing], [&nothing, &wild], [&wild, &wild]] {

@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn under_a_lamp_it_is_lamberts_formula_within_the_standard_error() {
+    fn gathered_light_under_a_lamp_is_lamberts_formula_within_the_standard_error() {
         for (height, place) in
             [(1.0, [0.3, 0.2]), (0.05, [0.3, 0.2]), (0.05, [0.52, 0.0]), (1e-3, [0.1, 0.1])]
         {

@@ -404,7 +404,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_met_is_black_and_right_is_right() {
+    fn a_ray_that_meets_nothing_is_black_and_what_lies_to_the_right_is_seen_on_the_right() {
         // A wall that fills the right half of the picture, seen along -z with y up.
         let wall = quad([0.0, -9.0, 0.0], [9.0, 0.0, 0.0], [0.0, 18.0, 0.0]);
         let lamp = Material::lamp("wall", &[0.0; 3], &[1.0, 2.0, 3.0]);
@@ -475,7 +475,7 @@ mod tests {
     }
 
     #[test]
-    fn can_be_cancelled() {
+    fn a_picture_can_be_cancelled() {
         let scene = room(Material::lamp("wall", &[0.5], &[1.0]));
         let tracer = Tracer::new(&scene);
         let patches = cut(&tracer, 0.5, Reach::Light);

@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_same_text_in_every_encoding() {
+    fn text_is_the_same_in_every_encoding() {
         let text = "v 1 2 3\nusemtl grün\n";
         let units: Vec<u16> = text.encode_utf16().collect();
         let little: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();

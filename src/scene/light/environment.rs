@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn it_turns_about_up_counter_clockwise_and_tilts_with_it() {
+    fn an_environment_turns_about_up_counter_clockwise_and_tilts_with_it() {
         let turned = Environment::new(numbered(), DVec3::Y, 90.0);
         assert!((turned.place(-DVec3::X) - DVec2::new(4.0, 2.0)).length() < 1e-9);
         let tilted = Environment::new(numbered(), DVec3::Z, 0.0);
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn directions_are_where_they_lie() {
+    fn a_direction_lies_at_the_place_it_was_made_from() {
         let around = Environment::new(numbered(), DVec3::new(0.3, 0.5, -0.4).normalize(), 33.0);
         for k in 0..100 {
             let (longitude, cosine) = ((f64::from(k) + 0.5) / 100.0, (f64::from(k) * 0.7).sin());

@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn the_edge_falls_from_one_to_nothing() {
+    fn the_edge_of_a_spot_falls_from_one_to_nothing() {
         let samples: Vec<f64> = (0..=100).map(|k| edge(f64::from(k), 60.0, 20.0)).collect();
         assert!(samples.is_sorted_by(|a, b| a >= b));
         assert_eq!([samples[40], samples[50], samples[60]], [1.0, 0.5, 0.0]);

@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn what_shines_can_be_drawn() {
+    fn every_direction_that_shines_can_be_drawn() {
         let environment = environment();
         let sampler = EnvironmentSampler::new(&environment);
         let dark = integral(&environment, |d| {

@@ -468,7 +468,7 @@ mod tests {
     }
 
     #[test]
-    fn so_they_do_with_lamps() {
+    fn rows_that_cannot_close_leave_those_that_can_alone_around_lamps_too() {
         // The first row is a lamp's.
         let block =
             Case::dense(&[0.0, 1.0, 2.0, 1.0, 0.0, 0.5, 2.0, 0.5, 0.0], &[0.1, 0.3, 0.4], &[2.8, 1.9, 2.9]);

@@ -35,7 +35,7 @@ fn an_effect_that_is_switched_off_is_warned_of_and_kept_in_the_plan() {
 }
 
 #[test]
-fn auto_is_what_happens_anyway() {
+fn effects_left_to_auto_change_no_result() {
     let scratch = Scratch::new();
     done(scratch.folder(), "solve -o one");
     let output = done(scratch.folder(), "solve -o two --effects auto,+colour,+interreflection");

@@ -8,7 +8,7 @@ use crate::program::{radiosity, text};
 use crate::scratch::{Scratch, content, names};
 
 #[test]
-fn solvers_agree() {
+fn every_solver_writes_the_same_radiance() {
     let radiance = |solver: &str| -> Vec<f64> {
         let scratch = Scratch::new();
         done(scratch.folder(), &format!("solve -o . --tolerance 1e-9 --solver {solver}"));

@@ -35,7 +35,7 @@ fn refuses_settings_that_are_no_text() {
 }
 
 #[test]
-fn says_how_a_colour_is_written() {
+fn a_colour_of_another_form_is_refused_with_how_it_is_written() {
     for colour in ["\"white\"", "[0.1, 0.2]", "true"] {
         let message = refusal(&toml(&format!("[material.m]\nreflectance = {colour}\n")));
         says(&message, &["a.toml:2: ", "number"]);
@@ -124,7 +124,7 @@ fn settings_may_define_what_no_library_does() {
 }
 
 #[test]
-fn settings_may_be_empty() {
+fn empty_settings_change_nothing() {
     let scene = loaded(&toml("# nothing\n"));
     assert_eq!((scene.corners(0)[1], scene.camera()), (DVec3::X, None));
 }

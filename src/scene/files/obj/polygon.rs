@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn a_border_that_crosses_itself_is_said() {
+    fn a_border_that_crosses_itself_is_found() {
         let bow = level(&[[0., 0.], [1., 1.], [1., 0.], [0., 2.]]);
         assert!(divide(&bow).crosses);
         let star: Vec<DVec3> = (0..5).map(|k| on_circle(f64::from(2 * k) / 5.0)).collect();
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn bent_polygons_say_how_much() {
+    fn a_flat_polygon_has_no_bend_and_a_bent_one_has() {
         let mut corners = level(&[[0., 0.], [1., 0.], [1., 1.], [0., 1.]]);
         assert_eq!(divide(&corners).bend, 0.0);
         corners[2].z = 0.4;
