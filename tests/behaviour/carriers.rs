@@ -1,27 +1,27 @@
 //! Mirrors and glass, on the way between patches: closed forms, another renderer, and the path tracer's own
 //! route.
 
-use std::f64::consts::PI;
 use std::io::Cursor;
 
 use glam::DVec3;
-use radiosity::measure::{Energy, RelativeRms};
+use radiosity::measure::RelativeRms;
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
-use radiosity::reference::{PathTracer, ReferenceRow};
+use radiosity::reference::ReferenceRow;
 use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Material, Scene};
-use radiosity::solve::{self, DirectOptions, SolveOptions};
+use radiosity::solve::{self, SolveOptions};
 use radiosity::trace::{Destination, Ray, Tracer};
 use radiosity::transport::{
     FactorsFileError, FormFactors, Keep, Plan, StorageKind, TraceOptions, Transport, TransportError,
 };
 
-use crate::scenes::{BASES, cut, facing, flipped, load, paths, quads, reference, room, unit_square};
+use crate::finishes::{balanced, light_paths_from_two};
+use crate::scenes::{BASES, cut, facing, flipped, load, quads, reference, room, unit_square};
 use crate::scratch::Scratch;
 
 /// A closed cube that glows and reflects half, with a box of the second material in its middle.
-fn furnace_with(inside: Material) -> Scene {
+fn furnace_around(inside: Material) -> Scene {
     let walls = room([0.0; 3], [1.0; 3]).map(|quad| (quad, 0));
     let block = room([0.3, 0.35, 0.25], [0.7, 0.6, 0.65]).map(|quad| (flipped(quad), 1));
     quads(&[walls, block].concat(), vec![Material::lamp("wall", &[0.5], &[1.0]), inside])
@@ -30,18 +30,14 @@ fn furnace_with(inside: Material) -> Scene {
 #[test]
 fn a_furnace_stays_a_furnace_around_mirrors_and_glass_that_absorb_nothing() {
     for inside in [Material::mirror("mirror", &[1.0]), Material::dielectric("glass", 1.5, &[1.0])] {
-        let scene = furnace_with(inside);
+        let scene = furnace_around(inside);
         assert_eq!(scene.warnings(), [""; 0]);
         let tracer = Tracer::new(&scene);
         for basis in BASES {
             let mut patches = cut(&tracer, PatchSize::Count(300));
             let options = TraceOptions { rays: Some(256), basis, ..Default::default() };
             let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
-            let k = Transport::of(&factors, &patches).unwrap();
-            let e = basis.coefficients_of(&patches.emitted_radiance());
-            let solution = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&e);
-            let energy = Energy::new(&k, &e, &solution.radiance);
-            assert!(energy.imbalance < 1e-9, "{energy:?}");
+            let (solution, energy) = balanced(&patches, &factors);
             assert_eq!((energy.carriers[0], energy.escaped[0]), (0.0, 0.0), "{energy:?}");
             // What was given up on the way is all that can be missing.
             let lost = energy.lost[0] / energy.emitted[0];
@@ -50,16 +46,7 @@ fn a_furnace_stays_a_furnace_around_mirrors_and_glass_that_absorb_nothing() {
             assert!(off < 1e-9 + 100.0 * lost, "{off} {lost}");
         }
         // And by the path tracer's own route.
-        let patches = cut(&tracer, PatchSize::Count(100));
-        let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(200_000)).unwrap();
-        let (mut mean, mut variance, mut area) = (0.0, 0.0, 0.0);
-        for i in 0..traced.len() {
-            let irradiance = traced.irradiance(i, 0);
-            mean += traced.area(i) * irradiance.mean;
-            variance += (traced.area(i) * irradiance.standard_error).powi(2);
-            area += traced.area(i);
-        }
-        let z = (mean - 2.0 * PI * area) / variance.sqrt();
+        let z = light_paths_from_two(&tracer, 200_000);
         assert!(z.abs() < 4.0, "{z}");
     }
 }
@@ -123,8 +110,8 @@ fn a_patch_sees_itself_in_a_mirror_whatever_the_storage() {
 
 #[test]
 fn glass_as_thin_as_air_is_not_there() {
-    let scene = furnace_with(Material::dielectric("air", 1.0, &[1.0]));
-    let empty = furnace_with(Material::mirror("mirror", &[1.0]));
+    let scene = furnace_around(Material::dielectric("air", 1.0, &[1.0]));
+    let empty = furnace_around(Material::mirror("mirror", &[1.0]));
     let (with, mirrors) = (Tracer::new(&scene), Tracer::new(&empty));
     let mut met = 0;
     for k in 0..2000u32 {

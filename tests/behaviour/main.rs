@@ -44,6 +44,7 @@ mod textures; // pictures on surfaces: averages, light paths, renderings, files
 mod thin_glass; // sheets: a slab, a furnace, sun and sky through windows, pictures, settings
 mod verdict; // what an answer says of how far it can be relied on, and every fault that must raise it
 
+mod finishes; // what is asked of every finish: a furnace, a lit room, pictures
 mod picture_files; // small image files
 mod program; // runs the program
 mod scenes; // small scenes, made on the spot, and what many tests do with them

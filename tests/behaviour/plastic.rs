@@ -4,19 +4,20 @@
 use std::f64::consts::PI;
 use std::io::Cursor;
 
-use radiosity::measure::Energy;
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::reference::PathTracer;
-use radiosity::render::{self, RenderOptions, Shading};
-use radiosity::scene::{Camera, Light, Material, Scene, SceneError, Sky, SkyKind, Surface};
-use radiosity::solve::{self, DirectOptions, SolveOptions};
+use radiosity::scene::{Light, Material, Scene, SceneError, Sky, SkyKind, Surface};
+use radiosity::solve::{self, SolveOptions};
 use radiosity::trace::{Tracer, fresnel};
 use radiosity::transport::{
     FactorsFileError, Forecast, FormFactors, Keep, LightOptions, Plan, Solving, Sources, StorageKind,
     Switches, TraceOptions, Transport, TransportError, Work,
 };
 
-use crate::gloss::{difference_in_a_room, furnace_with};
+use crate::finishes::{
+    Look, at_the_highlight, balanced, difference_in_a_room, furnace_with, in_the_furnace, lamp_over,
+    light_paths_from_two, simulated,
+};
 use crate::scenes::{BASES, cut, lit_quads, paths, quads, room};
 use crate::scratch::Scratch;
 
@@ -43,11 +44,7 @@ fn a_furnace_stays_a_furnace_around_white_plastic_of_any_roughness() {
             let exchange = factors.exchange();
             assert_eq!(exchange.reciprocity_error(), 0.0);
             assert!(exchange.closure_error() < 1e-9, "{}", exchange.closure_error());
-            let k = Transport::of(&factors, &patches).unwrap();
-            let e = basis.coefficients_of(&patches.emitted_radiance());
-            let solution = solve::direct(&k, &DirectOptions::default()).unwrap().solve(&e);
-            let energy = Energy::new(&k, &e, &solution.radiance);
-            assert!(energy.imbalance < 1e-9, "{energy:?}");
+            let (solution, energy) = balanced(&patches, &factors);
             assert_eq!([energy.carriers[0], energy.escaped[0], energy.lost[0]], [0.0; 3], "{energy:?}");
             let off = solution.radiance.map(|l| (l - 2.0).abs()).max();
             assert!(off < 1e-9, "{coat:?} {basis:?}: {off}");
@@ -56,12 +53,7 @@ fn a_furnace_stays_a_furnace_around_white_plastic_of_any_roughness() {
             assert!(off < 1e-8, "{coat:?} {basis:?}: {off}");
         }
         // And by the path tracer's own route, which looks at lamps from the coat and from under it.
-        let patches = cut(&tracer, PatchSize::Count(100));
-        let traced = PathTracer::new(&tracer).irradiance(&patches, &paths(100_000)).unwrap();
-        let sum = |f: &dyn Fn(usize) -> f64| (0..traced.len()).map(f).sum::<f64>();
-        let mean = sum(&|i| traced.area(i) * (traced.irradiance(i, 0).mean - 2.0 * PI));
-        let variance = sum(&|i| (traced.area(i) * traced.irradiance(i, 0).standard_error).powi(2));
-        let z = mean / variance.sqrt();
+        let z = light_paths_from_two(&tracer, 100_000);
         assert!(z.abs() < 4.0, "{coat:?}: {z}");
     }
 }
@@ -204,55 +196,22 @@ fn every_shading_shows_a_furnace_in_white_plastic_as_bright_as_the_furnace() {
     let tracer = Tracer::new(&scene);
     let patches = cut(&tracer, PatchSize::Edge(0.5));
     let radiance = patches.emitted_radiance().map(|_| 2.0);
-    let camera = Camera {
-        position: [0.15, 0.5, 0.5].into(),
-        target: [0.5, 0.3, 0.4].into(),
-        up: [0.0, 1.0, 0.0].into(),
-        fov: 60.0,
-    };
-    for (shading, samples) in
-        [(Shading::Flat, 4), (Shading::Smooth, 4), (Shading::Gather, 64), (Shading::Path, 64)]
-    {
-        let options = RenderOptions { width: 16, height: 12, shading, samples, ..Default::default() };
-        let picture = render::picture(&tracer, &patches, &radiance, &camera, &options).unwrap();
-        let mean = picture.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / 192.0;
-        assert!((mean - 2.0).abs() < 0.02, "{shading:?}: {mean}");
-    }
+    let camera = in_the_furnace();
+    Look { tracer: &tracer, patches: &patches, radiance: &radiance, camera }.is_of(2.0);
 }
 
 #[test]
 fn a_lamp_shines_on_plastic_as_bright_in_every_shading() {
     // A small lamp over a sheet of plastic, seen by its highlight beside what comes from under the coat.
-    let sheet = [[-2.0, 0.0, -2.0], [-2.0, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0]];
-    let lamp = [[-0.1, 1.0, -0.1], [0.1, 1.0, -0.1], [0.1, 1.0, 0.1], [-0.1, 1.0, 0.1]];
     for reflectance in [0.0, 0.5] {
-        let materials = vec![
-            Material::plastic("plastic", (0.4, 1.6), &[reflectance]),
-            Material::lamp("lamp", &[0.0], &[100.0]),
-        ];
-        let scene = quads(&[(sheet, 0), (lamp, 1)], materials);
+        let scene = lamp_over(Material::plastic("plastic", (0.4, 1.6), &[reflectance]));
         let tracer = Tracer::new(&scene);
         let mut patches = cut(&tracer, PatchSize::Edge(0.1));
         let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions::default()).unwrap();
         let k = Transport::of(&factors, &patches).unwrap();
         let solution = solve::solve(&k, &patches.emitted_radiance(), &SolveOptions::default()).unwrap();
-        let camera = Camera {
-            position: [0.0, 1.0, 1.5].into(),
-            target: [0.0, 0.0, 0.7].into(),
-            up: [0.0, 1.0, 0.0].into(),
-            fov: 30.0,
-        };
-        let seen = |shading, samples| {
-            let options = RenderOptions { width: 16, height: 12, shading, samples, ..Default::default() };
-            let picture = render::picture(&tracer, &patches, &solution.radiance, &camera, &options).unwrap();
-            picture.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>() / 192.0
-        };
-        let reference = seen(Shading::Path, 1024);
-        assert!(reference > 0.03, "{reference}");
-        for (shading, samples) in [(Shading::Flat, 1), (Shading::Smooth, 1), (Shading::Gather, 64)] {
-            let mean = seen(shading, samples);
-            assert!((mean / reference - 1.0).abs() < 0.02, "{reflectance} {shading:?}: {mean} {reference}");
-        }
+        let (radiance, camera) = (&solution.radiance, at_the_highlight());
+        Look { tracer: &tracer, patches: &patches, radiance, camera }.is_as_light_paths_show_it(0.03);
     }
 }
 
@@ -290,8 +249,10 @@ fn an_empty_room_with_a_coat_takes_rays() {
 #[test]
 fn the_plan_simulates_plastic() {
     let plan = Plan::new(&furnace_with(Material::plastic("bakelite", (0.5, 1.5), &[0.8])));
-    let on: Vec<&str> = plan.effects.iter().filter(|e| e.on).map(|e| e.effect).collect();
-    assert_eq!(on, ["interreflection", "occlusion rays", "back sides", "lamps", "caustics", "plastic"]);
+    assert_eq!(
+        simulated(&plan),
+        ["interreflection", "occlusion rays", "back sides", "lamps", "caustics", "plastic"]
+    );
     assert!(plan.effects.iter().any(|e| e.effect == "plastic" && e.reason == "bakelite"));
     let scene = furnace_with(Material::plastic("bakelite", (0.5, 1.5), &[0.8]));
     let work = Work {

@@ -12,6 +12,7 @@ use radiosity::solve::{self, Problem, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, Plan, Sources, TraceOptions, Transport};
 
+use crate::finishes::simulated;
 use crate::scenes::{BASES, cut, flipped, lit_quads, paths, point, quads, room, square};
 use crate::scratch::Scratch;
 
@@ -113,7 +114,8 @@ fn a_room_behind_a_glazed_window_agrees_with_light_paths() {
     let sky = Sky { kind: SkyKind::Constant, zenith: vec![1.0], ground: 0.0, up: DVec3::Y };
     let scene = lit_quads(&walls, materials, vec![sun], Some(sky));
     assert_eq!(scene.warnings(), [""; 0]);
-    let on: Vec<&str> = Plan::new(&scene).effects.iter().filter(|e| e.on).map(|e| e.effect).collect();
+    let plan = Plan::new(&scene);
+    let on = simulated(&plan);
     assert!(on.contains(&"thin glass") && on.contains(&"lights"), "{on:?}");
     let tracer = Tracer::new(&scene);
     for basis in BASES {
