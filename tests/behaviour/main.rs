@@ -29,7 +29,7 @@ mod one_sided; // form factors of one side: known values, closure, reciprocity, 
 mod path_tracer; // closed forms and another renderer, judged by standard errors
 mod pictures; // what cameras see: ways of shading agree, nothing lit is black
 mod placement; // lamps, lights and receivers outside, in solids, turned away
-mod plan; // what is foretold of effects, patches, bytes, against what comes of it
+mod plan; // what is predicted of effects, patches, bytes, against what comes of it
 mod plastic; // a diffuse base under a coat: furnaces, closed forms, light paths, pictures, files
 mod random_scenes; // boxes that intersect, touch and coincide under tiny and turned lamps: energy, solvers, error bounds
 mod receivers; // light at points that are no patches, and what is reported in lux
