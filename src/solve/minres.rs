@@ -2,8 +2,8 @@
 //!
 //! Where a sheet lets through more than it reflects, y = J Rᵀ S L solves (J − Rᵀ S R) y = Rᵀ S E, symmetric
 //! but not definite. Lanczos' vectors v make the matrix tridiagonal, rotations make that triangular, and of
-//! all y in the space that they span the one with the least residual r follows step by step; r_k = s² r_(k−1)
-//! + η c v_(k+1), with the rotation (c, s) of the step and |η| = ‖r_k‖, needs no product of its own. All
+//! all y in the space that they span the one with the least residual r follows step by step;
+//! r_k = s² r_(k−1) + η c v_(k+1), with the rotation (c, s) of the step and |η| = ‖r_k‖, needs no product of its own. All
 //! channels go through the matrix in one pass.
 
 use nalgebra::{DMatrix, DVector};

@@ -1,12 +1,9 @@
 //! Data flows one way: a module imports only from modules to its left, and no two rooms of the house need
-//! Data flows one way: a module imports only from modules to its left, and no two rooms of the house need each
-//! each other.
-//! other. Functions take few parameters.
+//! each other. Functions take few parameters, and comments are no wider than code.
+
 mod comments;
-mod house;
 mod house; // which file needs what of which other
 mod parameters; // how much a function takes, tuples counted by their parts
-mod tokens;
 mod tokens; // Rust text as words and signs
 
 use std::fs;
