@@ -1,6 +1,6 @@
 //! Constants of the verdict: from where on something is wrong. All are chosen, not fitted.
 //!
-//! `tests/behaviour/verdict.rs` holds that sound scenes stay below them and that each fault put in on purpose
+//! `tests/behaviour/verdict` holds that sound scenes stay below them and that each fault put in on purpose
 //! comes out above.
 
 /// The part of the emitted power from which on an answer is doubtful; a pure number. A tenth of the 1 % by
