@@ -64,7 +64,8 @@ impl Energy {
     /// Of lights without area only what arrives is known, which adds nothing to the imbalance.
     fn of_direct_light(k: &Transport, sources: &Sources, lamps: &LampFlux) -> Self {
         let unit = k.mass().unit();
-        let of_channels = |of: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..k.channels()).map(of).collect() };
+        let of_channels =
+            |value: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..k.channels()).map(value).collect() };
         let (area, passed_on) = (k.mass().sums(), k.passed_on());
         let arrived = |i: usize, c: usize| sources.direct.as_ref().map_or(0.0, |h| area[i] * h[(i, c)]);
         let weigh = |part: &dyn Fn(f64) -> f64| {

@@ -1,9 +1,9 @@
 //! Output: the files made of a solution.
 //!
 //! [`write_ply`] puts the colours of [pictures](crate::render) on the patches themselves, [`write_faces`] and
-//! [`write_patches`] make tables. [`write_comparison`], [`write_bounces`] and
-//! [`write_orders_plot`] make figures with words. [`Outputs`] replaces the files of a run together: all of
-//! them whole, or none.
+//! [`write_patches`] make tables. [`write_comparison`], [`write_bounces`] and [`write_orders_plot`] make
+//! figures with words. [`Outputs`] replaces the files of a run together: all of them whole, or none. How a
+//! picture becomes PNG stands here too: `save_png`.
 
 mod comparison;
 mod figure;

@@ -22,8 +22,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::progress::{Cancelled, Progress};
-use crate::scene::triangle;
-use crate::scene::{FaceTexture, Feature, Scene, Side};
+use crate::scene::{FaceTexture, Feature, Scene, Side, triangle};
 use crate::trace::{Frame, Tracer};
 pub use cut::{Barycentrics, Cutter, Outlook, Stretch};
 use cut::{Cuts, Parting, Parts, Uncut};

@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use crate::scene::triangle;
-use crate::scene::{FaceState, Side};
+use crate::scene::{FaceState, Side, triangle};
 use crate::trace::Tracer;
 use crate::trace::sampling::{Discrete, uniform_triangle};
 

@@ -15,8 +15,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::patches::{Barycentrics, Basis, Patches, Slot};
-use crate::scene::triangle;
-use crate::scene::{FaceState, Side};
+use crate::scene::{FaceState, Side, triangle};
 use crate::trace::Tracer;
 
 /// Corners are the same point if nearer than this share of their patch's shortest leg ...

@@ -8,11 +8,11 @@ use crate::scene::{Face, FaceState, Material, Scene, SceneParts};
 use crate::trace::Tracer;
 
 /// A scene of triangles (three vertices each) with a material each.
-pub(crate) fn triangles(corners: &[[[f64; 3]; 3]], of: &[u32], materials: Vec<Material>) -> Scene {
+pub(crate) fn triangles(corners: &[[[f64; 3]; 3]], material_of: &[u32], materials: Vec<Material>) -> Scene {
     let face = |k: u32| Face {
         vertices: [3 * k, 3 * k + 1, 3 * k + 2],
         normals: None,
-        material: of[k as usize],
+        material: material_of[k as usize],
         object: 0,
         state: FaceState::Kept,
     };

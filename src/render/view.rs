@@ -10,8 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::patches::Patches;
-use crate::scene::triangle;
-use crate::scene::{Camera, FaceState, Side};
+use crate::scene::{Camera, FaceState, Side, triangle};
 use crate::trace::{Ray, Tracer};
 
 /// Vertical field of view of the cameras tried, degrees; wider inside, where there is no room to step back.

@@ -6,8 +6,7 @@ use std::collections::hash_map::Entry;
 use glam::DVec3;
 
 use super::grouped::count;
-use super::triangle;
-use super::{Face, FaceState, Material};
+use super::{Face, FaceState, Material, triangle};
 
 /// Marks zero-area faces and exact duplicates, and says how many there were.
 pub(super) fn drop_degenerate(

@@ -8,8 +8,7 @@
 use glam::DVec3;
 
 use super::grouped::count;
-use super::triangle;
-use super::{Face, FaceState, Light};
+use super::{Face, FaceState, Light, triangle};
 
 /// What is as near as this to a face lies on it, and so far in front of it a light is moved at least, as a
 /// part of half of the scene's longest side: files often round to as much.

@@ -5,9 +5,10 @@
 //!
 //! For linear elements K = R M⁻¹S has negative entries and none of this holds. There errors are measured by
 //! √(∫ L² dA): with the symmetric form, (I − K)⁻¹r = r + R (I − R S R)⁻¹ R S r, so that an error is at most
-//! 1 + ρ_max/(1 − λ) times its residual, with λ the largest eigenvalue of R S R and ‖M^(−½) S M^(−½)‖ = 1. λ is
-//! found by Lanczos' method, from below: the bound is an *estimate*. With sheets it is 1 + |λ|_max(P)/(1 −
-//! λ): a quasi-definite matrix has no eigenvalue nearer to 0 than its two definite blocks have.
+//! 1 + ρ_max/(1 − λ) times its residual, with λ the largest eigenvalue of R S R and
+//! ‖M^(−½) S M^(−½)‖ = 1. λ is found by Lanczos' method, from below: the bound is an *estimate*. With sheets
+//! it is 1 + |λ|_max(P)/(1 − λ): a quasi-definite matrix has no eigenvalue nearer to 0 than its two definite
+//! blocks have.
 
 use nalgebra::DMatrix;
 

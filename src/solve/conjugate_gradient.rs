@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
+use super::goals::Limits;
 use super::stopping::{Answer, Rule, Run};
 use super::symmetric::Root;
 use super::{Amplification, Solution, SolveError, check_finite, krylov};
@@ -67,12 +68,12 @@ pub fn conjugate_gradients(
     let mut direct = through.clone();
     k.mass().solve(&mut direct, PI);
     let (reflected, mut passes) =
-        krylov::iterate(&root, &through, rule.goals(&direct), (iterations, progress))?;
+        krylov::iterate(&root, &through, rule.goals(&direct), Limits { passes: iterations, progress })?;
     let mut answer = Answer::after(k, e, &reflected);
     let mut excess = rule.excess(&answer);
     while excess > 1.0 && passes + JUDGED < iterations {
         k.through(&answer.residual, &mut through);
-        let left = (iterations - passes - JUDGED, progress);
+        let left = Limits { passes: iterations - passes - JUDGED, progress };
         let (more, taken) = krylov::iterate(&root, &through, rule.goals(&answer.irradiance), left)?;
         let reflected = &answer.reflected + &answer.residual + more;
         passes += taken + JUDGED;

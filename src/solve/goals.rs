@@ -20,18 +20,25 @@ pub(super) struct Goal {
     pub size: f64,
 }
 
+/// After how many passes over the matrix iterations end in any case, and who is told how far they are.
+#[derive(Clone, Copy)]
+pub(super) struct Limits<'a> {
+    pub passes: usize,
+    pub progress: Progress<'a>,
+}
+
 /// What the residual of L has to fall below in every channel.
 pub(super) struct Goals<'a> {
     k: &'a Transport,
-    of: Vec<Goal>,
+    by_channel: Vec<Goal>,
     /// How many times too large the worst was at first.
     at_start: Option<f64>,
 }
 
 impl<'a> Goals<'a> {
     /// One goal per channel.
-    pub fn new(k: &'a Transport, of: Vec<Goal>) -> Self {
-        Self { k, of, at_start: None }
+    pub fn new(k: &'a Transport, by_channel: Vec<Goal>) -> Self {
+        Self { k, by_channel, at_start: None }
     }
 
     /// This part of what E is, both in flux and in ‖·‖∞.
@@ -48,12 +55,16 @@ impl<'a> Goals<'a> {
         let excess = |(goal, r): (&Goal, DVectorView<f64>)| {
             relative(flux(self.k, r), goal.flux).max(relative(r.amax(), goal.size))
         };
-        self.of.iter().zip(residual.column_iter()).map(|(goal, r)| excess((goal, r.as_view()))).collect()
+        self.by_channel
+            .iter()
+            .zip(residual.column_iter())
+            .map(|(goal, r)| excess((goal, r.as_view())))
+            .collect()
     }
 
     /// Lets iterations that start from this residual reduce it no further than they can tell.
     pub fn starting_from(mut self, residual: &DMatrix<f64>) -> Self {
-        for (goal, r) in self.of.iter_mut().zip(residual.column_iter()) {
+        for (goal, r) in self.by_channel.iter_mut().zip(residual.column_iter()) {
             goal.flux = goal.flux.max(AT_A_TIME * flux(self.k, r));
             goal.size = goal.size.max(AT_A_TIME * r.amax());
         }

@@ -3,11 +3,11 @@
 
 use nalgebra::DMatrix;
 
-use super::goals::Goals;
+use super::goals::{Goals, Limits};
 use super::symmetric::Root;
 use super::{SolveError, minres};
 use crate::progress::Progress;
-use crate::transport::{System, Transport, conjugate_gradients};
+use crate::transport::{SymmetricSystem, Transport, solve_symmetric};
 
 /// The most passes over the matrix where none are asked for.
 pub(super) const MOST: usize = 5000;
@@ -22,30 +22,28 @@ pub(crate) fn roughly(
     tolerance: f64,
     progress: Progress,
 ) -> Result<DMatrix<f64>, SolveError> {
-    let iterations = MOST;
     let mut through = DMatrix::zeros(k.len(), k.channels());
     k.through(e, &mut through);
     let goals = Goals::relative(k, e, tolerance);
-    let (reflected, _) = iterate(&Root::new(k), &through, goals, (iterations, progress))?;
+    let (reflected, _) = iterate(&Root::new(k), &through, goals, Limits { passes: MOST, progress })?;
     Ok(e + reflected)
 }
 
 /// Iterates on y until the residual of L = E + R y meets the goals, by conjugate gradients where the
 /// symmetric form is positive definite and else by MINRES; answers R y, and the number of passes with that
-/// for `through` = S E. They end, too, after so many passes.
+/// for `through` = S E. They end, too, at the limits.
 pub(super) fn iterate(
     root: &Root,
     through: &DMatrix<f64>,
     goals: Goals,
-    limits: (usize, Progress),
+    limits: Limits,
 ) -> Result<(DMatrix<f64>, usize), SolveError> {
     if root.is_definite() {
-        let (iterations, progress) = limits;
         let b = root.transposed_times(through);
         let goals = goals.starting_from(&root.times(&b));
         let through = DMatrix::zeros(through.nrows(), through.ncols());
-        let mut system = Definite { root, goals, through, passes: 1, iterations, progress };
-        let y = conjugate_gradients(&mut system, b)?;
+        let mut system = Definite { root, goals, through, passes: 1, limits };
+        let y = solve_symmetric(&mut system, b)?;
         Ok((root.times(&y), system.passes))
     } else {
         minres::iterate(root, through, goals, limits)
@@ -58,11 +56,10 @@ struct Definite<'a> {
     goals: Goals<'a>,
     through: DMatrix<f64>,
     passes: usize,
-    iterations: usize,
-    progress: Progress<'a>,
+    limits: Limits<'a>,
 }
 
-impl System for Definite<'_> {
+impl SymmetricSystem for Definite<'_> {
     type Error = SolveError;
 
     fn times(&mut self, p: &DMatrix<f64>) -> DMatrix<f64> {
@@ -72,14 +69,14 @@ impl System for Definite<'_> {
     }
 
     fn goes_on(&mut self, r: &DMatrix<f64>, _rz: &[f64]) -> Result<Vec<bool>, SolveError> {
-        if self.passes >= self.iterations {
+        if self.passes >= self.limits.passes {
             return Ok(vec![false; r.ncols()]);
         }
         // The residual of L is R r, for J = I.
         let excesses = self.goals.excesses(&self.root.times(r));
         let goes_on: Vec<bool> = excesses.iter().map(|&excess| excess > 1.0).collect();
         if goes_on.contains(&true) {
-            self.goals.report(&excesses, self.progress)?;
+            self.goals.report(&excesses, self.limits.progress)?;
         }
         Ok(goes_on)
     }

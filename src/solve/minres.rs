@@ -3,15 +3,14 @@
 //! Where a sheet lets through more than it reflects, y = J Rᵀ S L solves (J − Rᵀ S R) y = Rᵀ S E, symmetric
 //! but not definite. Lanczos' vectors v make the matrix tridiagonal, rotations make that triangular, and of
 //! all y in the space that they span the one with the least residual r follows step by step;
-//! r_k = s² r_(k−1) + η c v_(k+1), with the rotation (c, s) of the step and |η| = ‖r_k‖, needs no product of its own. All
-//! channels go through the matrix in one pass.
+//! r_k = s² r_(k−1) + η c v_(k+1), with the rotation (c, s) of the step and |η| = ‖r_k‖, needs no product of
+//! its own. All channels go through the matrix in one pass.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::SolveError;
-use super::goals::Goals;
+use super::goals::{Goals, Limits};
 use super::symmetric::Root;
-use crate::progress::Progress;
 
 /// What a channel carries from step to step.
 struct Channel {
@@ -87,40 +86,41 @@ pub(super) fn iterate(
     root: &Root,
     through: &DMatrix<f64>,
     goals: Goals,
-    (iterations, progress): (usize, Progress),
+    limits: Limits,
 ) -> Result<(DMatrix<f64>, usize), SolveError> {
     let b = root.transposed_times(through);
-    let mut of: Vec<Channel> = b.column_iter().map(|column| Channel::new(column.clone_owned())).collect();
-    let gathered = |of: &[Channel], part: fn(&Channel) -> &DVector<f64>| {
-        DMatrix::from_columns(&of.iter().map(|channel| part(channel).clone()).collect::<Vec<_>>())
+    let mut channels: Vec<Channel> =
+        b.column_iter().map(|column| Channel::new(column.clone_owned())).collect();
+    let gathered = |channels: &[Channel], part: fn(&Channel) -> &DVector<f64>| {
+        DMatrix::from_columns(&channels.iter().map(|channel| part(channel).clone()).collect::<Vec<_>>())
     };
     // The residual of L is R J r.
-    let residual = |of: &[Channel]| {
-        let mut r = gathered(of, |channel| &channel.r);
+    let residual = |channels: &[Channel]| {
+        let mut r = gathered(channels, |channel| &channel.r);
         root.sign(&mut r);
         root.times(&r)
     };
-    let mut goals = goals.starting_from(&residual(&of));
+    let mut goals = goals.starting_from(&residual(&channels));
     let mut through = DMatrix::zeros(b.nrows(), b.ncols());
     let mut passes = 1;
-    while passes < iterations {
-        let excesses = goals.excesses(&residual(&of));
+    while passes < limits.passes {
+        let excesses = goals.excesses(&residual(&channels));
         let goes_on = |(c, channel): (usize, &Channel)| excesses[c] > 1.0 && channel.eta != 0.0;
-        if !of.iter().enumerate().any(goes_on) {
+        if !channels.iter().enumerate().any(goes_on) {
             break;
         }
-        goals.report(&excesses, progress)?;
+        goals.report(&excesses, limits.progress)?;
         // q = (J − RᵀSR) v
-        let mut v = gathered(&of, |channel| &channel.v[0]);
+        let mut v = gathered(&channels, |channel| &channel.v[0]);
         root.operator().through(&root.times(&v), &mut through);
         passes += 1;
         root.sign(&mut v);
         let q = v - root.transposed_times(&through);
-        for (c, channel) in of.iter_mut().enumerate() {
+        for (c, channel) in channels.iter_mut().enumerate() {
             if excesses[c] > 1.0 && channel.eta != 0.0 {
                 channel.step(q.column(c).clone_owned());
             }
         }
     }
-    Ok((root.times(&gathered(&of, |channel| &channel.y)), passes))
+    Ok((root.times(&gathered(&channels, |channel| &channel.y)), passes))
 }

@@ -7,7 +7,7 @@
 use nalgebra::DMatrix;
 
 use super::{
-    CgOptions, DirectOptions, NeumannOptions, Series, Solution, SolveError, SolveOptions,
+    CgOptions, DirectOptions, NeumannOptions, Series, Solution, SolveError, SolveOptions, bounces,
     conjugate_gradients, direct, neumann, solve_all,
 };
 use crate::patches::{Basis, Patches};
@@ -48,12 +48,15 @@ impl Problem {
     }
 
     /// The problem of a scene's reflectances and sheets without any light: what concerns the operator alone,
-    /// or waits for [other sources](Problem::under).
+    /// or waits for [other sources](Problem::under). In a scene without interreflection no light goes from
+    /// patch to patch, whatever the form factors.
     ///
     /// # Errors
     /// `Unsolvable`, as [`Problem::new`].
     pub fn unlit(patches: &Patches, factors: &FormFactors) -> Result<Self, TransportError> {
-        let operator = Transport::of(factors, patches)?;
+        let interreflects = !patches.scene().is_without(Feature::Interreflection);
+        let none = (!interreflects).then(|| FormFactors::none(patches, factors.basis()));
+        let operator = Transport::of(none.as_ref().unwrap_or(factors), patches)?;
         let dark = DMatrix::zeros(operator.len(), operator.channels());
         Ok(Self::of(operator, dark))
     }
@@ -151,6 +154,11 @@ impl Problem {
     pub fn conjugate_gradients(&self, options: &CgOptions) -> Result<Solution, SolveError> {
         let solved = conjugate_gradients(&self.operator, &self.right_hand_side, options);
         solved.map(|solution| solution.under(&self.sources)).map_err(|error| error.under(&self.sources))
+    }
+
+    /// The first terms of the series by themselves: E, KE, … up to bounce `last`, N × c each.
+    pub fn bounces(&self, last: usize) -> Vec<DMatrix<f64>> {
+        bounces(&self.operator, &self.right_hand_side, last)
     }
 
     /// Sums the Neumann series until it fulfils the [rule](super#tolerance) or reaches its highest order.

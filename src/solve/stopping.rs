@@ -81,7 +81,7 @@ impl Answer {
     ) -> Report {
         let (radiance, step) = (e + &self.reflected, self.step());
         let channels = 0..e.ncols();
-        let most = |of: &dyn Fn(usize) -> f64| channels.clone().map(of).fold(0.0, f64::max);
+        let most = |value: &dyn Fn(usize) -> f64| channels.clone().map(value).fold(0.0, f64::max);
         let size = |x: &DMatrix<f64>, c| amplification.size(k, x, c);
         let at_most = |c| amplify(amplification.of(c), size(&self.residual, c));
         let fields = |c: usize| [&step, &self.residual].map(|x| x.column(c));

@@ -22,8 +22,7 @@ use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use rayon::prelude::*;
 
 use super::{Hit, Tracer};
-use crate::scene::triangle;
-use crate::scene::{Scene, Side, Surface};
+use crate::scene::{Scene, Side, Surface, triangle};
 
 /// How far out of a plane a corner may lie by rounding: files often keep six digits. Normalised lengths.
 const FLAT: f64 = 1e-6;

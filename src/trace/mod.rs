@@ -23,8 +23,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::scene::triangle;
-use crate::scene::{FaceState, Scene, Side, Surface};
+use crate::scene::{FaceState, Scene, Side, Surface, triangle};
 use bvh::Bvh;
 pub use convex::{Enclosure, NotConvex};
 pub use emitters::{

@@ -5,7 +5,6 @@
 //! [`Transport`] adds the reflectances and is the operator that the solvers invert. The two stay apart so
 //! that other reflectances, lamps and lamp powers cost no rays.
 
-mod conjugate_gradients;
 mod exchange;
 mod form_factors;
 mod lanczos;
@@ -14,8 +13,8 @@ mod plan;
 mod reflection;
 mod rows;
 mod sources;
+mod symmetric_system;
 
-pub(crate) use conjugate_gradients::{System, conjugate_gradients};
 pub use exchange::{Blocks, Closure, Exchange, Mass, Storage, StorageKind};
 pub use form_factors::{
     DISAGREE, Disagreement, FactorsFileError, FormFactors, GroupFactor, Keep, Merged, Occlusion, Reuse,
@@ -30,6 +29,7 @@ pub(crate) use rows::BATCHES;
 pub use rows::Shots;
 pub(crate) use sources::LampFlux;
 pub use sources::{CarriedLight, LightOptions, ReceiverRows, Sources};
+pub(crate) use symmetric_system::{SymmetricSystem, solve_symmetric};
 
 use crate::patches::PatchError;
 use crate::progress::Cancelled;

@@ -38,12 +38,18 @@ fn without_interreflection_there_is_what_lamps_send_straight_and_what_of_it_is_r
     let scene =
         quads(&plates, vec![lamp, Material::diffuse("plate", &[0.8])]).without(Feature::Interreflection);
     let tracer = Tracer::new(&scene);
-    for basis in BASES {
-        let patches = cut_into(&tracer, 200);
-        let factors = FormFactors::none(&patches, basis);
+    for (basis, are_traced) in BASES.into_iter().flat_map(|basis| [false, true].map(|traced| (basis, traced)))
+    {
+        let mut patches = cut_into(&tracer, 200);
+        let factors = if are_traced {
+            let options = TraceOptions { basis, ..Default::default() };
+            FormFactors::trace(&tracer, &mut patches, &options).unwrap()
+        } else {
+            FormFactors::none(&patches, basis)
+        };
         let problem = Problem::new(&tracer, &patches, &factors, &LightOptions::default()).unwrap();
         let solution = problem.solve(&SolveOptions::default()).unwrap();
-        assert!(solution.report.residual == 0.0 && factors.exchange().closure_error() == 0.0);
+        assert!(solution.report.residual == 0.0 && problem.factors().exchange().closure_error() == 0.0);
         // The plate gets F of the lamp's light, and the lamp nothing back.
         let k = problem.operator();
         let areas = k.mass().areas();

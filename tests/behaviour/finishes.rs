@@ -33,7 +33,8 @@ pub fn balanced(patches: &Patches, factors: &FormFactors) -> (Solution, Energy) 
     (solution, energy)
 }
 
-/// How many standard errors the flux that light paths find on all patches is from that of radiance 2 all over.
+/// How many standard errors the flux that light paths find on all patches is from that of radiance 2 all
+/// over.
 pub fn light_paths_from_two(tracer: &Tracer, count: u64) -> f64 {
     let patches = cut(tracer, PatchSize::Count(100));
     let traced = PathTracer::new(tracer).irradiance(&patches, &paths(count)).unwrap();

@@ -15,7 +15,7 @@ use radiosity::progress::Progress;
 use radiosity::reference::{Budget, PathOptions, PathTracer};
 use radiosity::render::{self, Picture, RenderError, RenderOptions, Shading};
 use radiosity::scene::Scene;
-use radiosity::solve::{self, Amplification, Certainty, Problem, Report, Solution, SolveOptions};
+use radiosity::solve::{Amplification, Certainty, Problem, Report, Solution, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::Keep;
 
@@ -114,7 +114,7 @@ impl Pictures {
             render::picture(tracer, patches, &solution.radiance, &camera, &RenderOptions { shading, ..*look })
         };
         let [matrix, traced] = [picture(Shading::Smooth)?, picture(Shading::Path)?];
-        let terms = solve::bounces(problem.operator(), problem.right_hand_side(), last);
+        let terms = problem.bounces(last);
         let bounces = BouncePictures::render(tracer, patches, &terms, &camera, look)?;
         Ok(Self { matrix, traced, bounces })
     }

@@ -69,8 +69,8 @@ pub(super) const SAME_SETTING: f64 = 0.2;
 /// a rung.
 pub(super) const SAME_CUT: f64 = 0.02;
 
-/// What a patch costs beside its rays, in rays; a number. Chosen, not fitted, as far as the
-/// history tells.
+/// What a patch costs beside its rays, in rays; a number. Chosen, not fitted, as far as the history
+/// tells.
 pub(super) const PATCH_IN_RAYS: f64 = 56.0;
 
 /// Noise falls as the number of rays to minus this power; a pure number. Chosen, not fitted, as far as the

@@ -110,8 +110,8 @@ impl<'s> Search<'_, 's> {
                 if forecast.more_rays(s).is_some() { LEAST_COST_RATIO_OF_RAYS } else { LEAST_COST_RATIO };
             self.steps.len() == 1 || forecast.seconds(s) >= growth * forecast.from.seconds
         };
-        let least = |choices: &mut dyn Iterator<Item = Choice>, of: &dyn Fn(&Setting) -> f64| {
-            choices.min_by(|a, b| of(&a.setting).total_cmp(&of(&b.setting)))
+        let least = |choices: &mut dyn Iterator<Item = Choice>, cost: &dyn Fn(&Setting) -> f64| {
+            choices.min_by(|a, b| cost(&a.setting).total_cmp(&cost(&b.setting)))
         };
         let cheapest = wanted.and_then(|wanted| {
             let is_enough = |s: &Setting| grows(s) && forecast.upper95(s) <= AIM * wanted;

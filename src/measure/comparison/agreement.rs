@@ -15,8 +15,7 @@ use super::constants::{
     ALWAYS_OF_MEAN, ALWAYS_OF_ONE, COARSER, ERRORS_OF_ONE, LEVEL, MOST_BY_MESH, MOST_OF_MEAN, REMAINS,
     REMAINS_OF_ONE, SURE,
 };
-use super::difference;
-use super::difference::{Difference, Place};
+use super::difference::{self, Difference, Place};
 use super::mesh_error::MeshError;
 use crate::patches::Patches;
 use crate::reference::PathTraced;

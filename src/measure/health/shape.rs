@@ -4,8 +4,7 @@ use std::collections::HashSet;
 
 use super::constants::{NEEDLE, PLAUSIBLE, SLIVER};
 use super::{Finding, Grade};
-use crate::scene::triangle;
-use crate::scene::{FaceState, Scene};
+use crate::scene::{FaceState, Scene, triangle};
 use crate::trace::Tracer;
 
 /// The longest side of the box around the scene, metres.

@@ -104,6 +104,6 @@ pub(super) const AS_GOOD: f64 = 1.5;
 /// A gain, in per cent of error for a per cent of time, that is less than this is none; a pure number.
 pub(super) const NO_GAIN: f64 = 0.05;
 
-/// The least logarithm of a ratio of times by which a gain is divided; a pure number. So
-/// equal times divide by no zero.
+/// The least logarithm of a ratio of times by which a gain is divided; a pure number. So equal times divide
+/// by no zero.
 pub(super) const LEAST_LOG_TIME: f64 = 0.1;

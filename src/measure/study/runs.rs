@@ -13,8 +13,7 @@ use crate::measure::{Answer, Energy, MeasureError, Verdict};
 use crate::patches::{FaceRow, PatchSize, Patches, Tessellation};
 use crate::progress::Progress;
 use crate::reference::{Budget, PathOptions, PathTracer};
-use crate::solve;
-use crate::solve::{Method, Problem, SolveOptions};
+use crate::solve::{self, Method, Problem, SolveOptions};
 use crate::trace::Tracer;
 use crate::transport::{FormFactors, LightOptions, TraceOptions};
 

@@ -7,21 +7,20 @@ use nalgebra::DMatrix;
 use super::constants::{DARK, DOUBTFUL, STANDARD_ERRORS};
 use super::{Answer, Cause, Energy, Level, Reason, places};
 use crate::measure::ErrorPart;
-use crate::scene::triangle;
-use crate::scene::{Scene, Side};
+use crate::scene::{Scene, Side, triangle};
 use crate::trace::OverlapKind;
 
 /// NaN and infinite numbers anywhere are bad; an infinite bound alone is doubtful.
 pub(super) fn not_finite(answer: &Answer) -> Vec<Reason> {
     let scene = answer.tracer.scene();
     let solution = answer.solution;
-    let each = answer.problem.operator().basis().coefficients();
+    let each = answer.problem.basis().coefficients();
     let is_broken = |i: &usize| {
         [&solution.radiance, &solution.irradiance]
             .iter()
             .any(|field| field.row(*i).iter().any(|x| !x.is_finite()))
     };
-    let broken = (0..answer.problem.operator().len()).filter(is_broken);
+    let broken = (0..solution.radiance.nrows()).filter(is_broken);
     let mut faces: Vec<usize> = broken.map(|i| answer.patches.place(i / each).face).collect();
     faces.dedup();
     let energy = answer.energy;
@@ -54,7 +53,7 @@ pub(super) fn missing_lamps(answer: &Answer) -> Option<Reason> {
     let Answer { tracer, patches, problem, .. } = *answer;
     let sources = problem.sources();
     let scene = tracer.scene();
-    let wanted = answer.problem.operator().basis().coefficients_of(&patches.emitted_radiance());
+    let wanted = answer.problem.basis().coefficients_of(&patches.emitted_radiance());
     let lack = &wanted - &sources.emitted;
     let mut missing = places::power(answer, &lack, PI, |i, c| lack[(i, c)] != 0.0);
     let most = if missing.is_empty() { Level::Doubtful } else { Level::Bad };
@@ -162,7 +161,7 @@ pub(super) fn overlaps(answer: &Answer) -> Option<Reason> {
 
 /// Sides of faces whose rays to and fro find different amounts of light.
 pub(super) fn directions(answer: &Answer) -> Option<Reason> {
-    let pairs = answer.problem.operator().factors().disagreements().iter();
+    let pairs = answer.problem.factors().disagreements().iter();
     let faces = pairs.flat_map(|pair| pair.sides).map(|(face, _)| face);
     listed(answer, Cause::Directions, Level::Doubtful, faces.collect())
 }
@@ -174,7 +173,7 @@ fn listed(answer: &Answer, cause: Cause, level: Level, mut faces: Vec<usize>) ->
     }
     faces.sort_unstable();
     faces.dedup();
-    let each = answer.problem.operator().basis().coefficients();
+    let each = answer.problem.basis().coefficients();
     let is_listed = |i: usize, _| faces.binary_search(&answer.patches.place(i / each).face).is_ok();
     let irradiance = &answer.solution.irradiance;
     let arriving = places::power(answer, irradiance, 1.0, is_listed);

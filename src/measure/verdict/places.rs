@@ -62,7 +62,7 @@ pub(super) fn power(
 ) -> Places {
     let (patches, mass) = (answer.patches, answer.problem.operator().mass());
     let unit = mass.unit();
-    let each = answer.problem.operator().basis().coefficients();
+    let each = answer.problem.basis().coefficients();
     let mut places = Places::new(field.ncols());
     for (i, area) in mass.sums().iter().enumerate() {
         for c in (0..field.ncols()).filter(|&c| is_wrong(i, c)) {

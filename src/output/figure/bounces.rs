@@ -7,8 +7,7 @@ use nalgebra::DMatrix;
 
 use super::canvas::{Area, Canvas, GREY};
 use super::panel::{MARGIN, TITLE, draw_picture, draw_title, enlargement};
-use super::text;
-use super::text::{Line, TextSize};
+use super::text::{self, Line, TextSize};
 use crate::patches::Patches;
 use crate::render::{Exposure, Picture, RenderError, RenderOptions, Surfaces, luminance, picture};
 use crate::scene::Camera;

@@ -7,8 +7,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::scene::triangle;
-use crate::scene::{FaceState, Scene, Side};
+use crate::scene::{FaceState, Scene, Side, triangle};
 use crate::trace::{Frame, IN_PLANE, Tracer};
 
 /// Corners that share a box.

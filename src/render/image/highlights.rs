@@ -43,7 +43,7 @@ impl<'a, 's> Highlights<'a, 's> {
 
     /// What a point of a metal that was met shows of lamps.
     pub fn shine<'v>(&'v self, views: &mut Views, glossy: Glossy<'v>, hit: &Hit) -> Shine<'v> {
-        let place = Interaction { point: glossy.point(), ..Interaction::of(self.tracer, hit) };
+        let place = Interaction::of(self.tracer, hit);
         let view = views.seen_at(self.tracer, &self.lamps, &place).clone();
         Shine { tracer: self.tracer, lamps: &self.lamps, view, glossy, face: hit.face }
     }

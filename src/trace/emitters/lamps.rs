@@ -8,8 +8,7 @@ use std::f64::consts::FRAC_1_PI;
 
 use glam::DVec3;
 
-use crate::scene::triangle;
-use crate::scene::{FaceState, Side};
+use crate::scene::{FaceState, Side, triangle};
 use crate::trace::sampling::{Discrete, uniform_triangle};
 use crate::trace::{Tracer, can_face, form_factor_between, form_factor_to_triangle};
 

@@ -12,8 +12,7 @@ use glam::DVec3;
 
 use super::lights::{Lights, Place, solid_angle};
 use super::sky::{SkyBeam, SkySampler};
-use crate::scene::triangle;
-use crate::scene::{FaceState, Light, Side};
+use crate::scene::{FaceState, Light, Side, triangle};
 use crate::trace::sampling::{Discrete, frame_around, uniform_spherical_triangle, uniform_triangle};
 use crate::trace::{Hit, OUTSIDE, Ray, RayHit, Tracer};
 

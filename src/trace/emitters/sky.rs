@@ -112,11 +112,6 @@ impl SkySampler {
         SkyBeam { direction, weight: share * cosine / self.pdf(normal, direction), tint }
     }
 
-    /// Whether its beams have tints: directions differ in colour.
-    pub fn is_tinted(&self) -> bool {
-        matches!(self.brightness, Brightness::Environment(..))
-    }
-
     /// Density of [`SkySampler::sample`], per unit of solid angle.
     #[inline]
     pub fn pdf(&self, normal: DVec3, direction: DVec3) -> f64 {

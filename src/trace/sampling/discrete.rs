@@ -44,7 +44,8 @@ impl Discrete {
     /// The thing that a random number in [0, 1) falls on, and what is left of the number within the thing's
     /// share, again uniform in [0, 1).
     ///
-    /// Panics where there is nothing to draw from.
+    /// # Panics
+    /// If there is nothing to draw from.
     #[inline]
     pub fn draw(&self, random: f64) -> (usize, f64) {
         self.draw_at(random * self.total())

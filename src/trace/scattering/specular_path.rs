@@ -17,7 +17,7 @@ pub enum Destination {
     Away(Ray),
     /// In a carrier.
     Absorbed,
-    /// Nowhere: it was given up after 256 carriers or coats.
+    /// Nowhere: it was given up after as many carriers and coats as a path may meet.
     Lost,
 }
 
@@ -70,10 +70,12 @@ impl Tracer<'_> {
         Destination::Lost
     }
 
-    /// Follows a ray as [`Tracer::follow_path`] does, from where it starts.
+    /// Follows a ray, by one way at every carrier and coat, until it meets a diffuse surface, gets under a
+    /// coat or ends elsewhere.
     ///
-    /// `numbers(k)` gives the random numbers, k counting from 0; `survives` as
-    /// [`SpecularPath::survives`] does.
+    /// `numbers(k)` gives random numbers, k counting from 0: four for every carrier, and sometimes four more.
+    /// `survives(colour, chance)` decides, by another of them, whether the ray goes on where that part of its
+    /// power does.
     #[inline]
     pub fn destination(
         &self,
@@ -88,8 +90,8 @@ impl Tracer<'_> {
         }
     }
 
-    /// [`Tracer::follow_path`] by functions that do what is asked of a path; `met` is
-    /// [`SpecularPath::goes_on`].
+    /// Follows a ray on from the carrier that it has met, as [`Tracer::destination`] does; calls
+    /// `goes_on(before, hit, after)` with the ray before and after each carrier.
     #[inline]
     pub fn follow(
         &self,
@@ -98,18 +100,19 @@ impl Tracer<'_> {
         survives: impl FnMut(Tint, f64) -> bool,
         goes_on: impl FnMut(&Ray, &Hit, &Ray),
     ) -> Destination {
-        self.follow_path(met, &mut ByFunctions { taken: 0, numbers, survives, goes_on })
+        self.follow_path(met, &mut PathByFunctions { taken: 0, numbers, survives, goes_on })
     }
 }
 
-struct ByFunctions<N, S, G> {
+/// A path that functions decide.
+struct PathByFunctions<N, S, G> {
     taken: u32,
     numbers: N,
     survives: S,
     goes_on: G,
 }
 
-impl<N, S, G> SpecularPath for ByFunctions<N, S, G>
+impl<N, S, G> SpecularPath for PathByFunctions<N, S, G>
 where
     N: FnMut(u32) -> [f64; 4],
     S: FnMut(Tint, f64) -> bool,

@@ -22,7 +22,7 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 
 use super::storage::Storage;
 use crate::progress::{Cancelled, Progress};
-use crate::transport::conjugate_gradients::{System, conjugate_gradients};
+use crate::transport::symmetric_system::{SymmetricSystem, solve_symmetric};
 
 /// How far rows are from summing to their patch's area, as the largest relative difference.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -108,7 +108,7 @@ struct State {
     value: f64,
 }
 
-struct Problem<'a> {
+struct Closing<'a> {
     storage: &'a Storage,
     escape: &'a DVector<f64>,
     /// 1 for rows that take no part.
@@ -122,7 +122,7 @@ struct Problem<'a> {
     most: usize,
 }
 
-impl<'a> Problem<'a> {
+impl<'a> Closing<'a> {
     fn new(storage: &'a Storage, sums: RowSums<'a>, part: DVector<f64>, most: usize) -> Self {
         let target = sums.target.zip_map(&part, |target, part| if part > 0.0 { target } else { 1.0 });
         Self { storage, escape: sums.escape, target, part, bound: sums.most_scale.ln(), passes: 0, most }
@@ -162,7 +162,7 @@ impl<'a> Problem<'a> {
         let diagonal = sums.map_with_location(|i, _, sum| if held[i] { 1.0 } else { sum });
         let lack = DMatrix::from_fn(at.lack.len(), 1, |i, _| if held[i] { 0.0 } else { at.lack[i] });
         let mut system = Newton { problem: self, at, held, diagonal, steps: 0, first: None };
-        let Ok(step) = conjugate_gradients(&mut system, lack);
+        let Ok(step) = solve_symmetric(&mut system, lack);
         let held = system.held;
         DVector::from_fn(held.len(), |i, _| if held[i] { self.bound - at.log_scale[i] } else { step[i] })
     }
@@ -214,7 +214,7 @@ impl<'a> Problem<'a> {
 
 /// The system of a Newton step, H δ = lack, for rows that are not held.
 struct Newton<'a, 'p> {
-    problem: &'a mut Problem<'p>,
+    problem: &'a mut Closing<'p>,
     at: &'a State,
     held: Vec<bool>,
     /// The first term of H; 1 for rows that are held.
@@ -224,7 +224,7 @@ struct Newton<'a, 'p> {
     first: Option<f64>,
 }
 
-impl System for Newton<'_, '_> {
+impl SymmetricSystem for Newton<'_, '_> {
     type Error = Infallible;
 
     fn times(&mut self, p: &DMatrix<f64>) -> DMatrix<f64> {
@@ -277,11 +277,11 @@ pub fn balance_around_lamps(
     let lamps = DVector::from_iterator(n, is_lamp.iter().map(|&lamp| one(lamp)));
     let others = lamps.map(|lamp| 1.0 - lamp);
     let start = DVector::repeat(n, 1.0);
-    let raw = Problem::new(storage, sums, start.clone(), 1).state(DVector::zeros(n)).error;
+    let raw = Closing::new(storage, sums, start.clone(), 1).state(DVector::zeros(n)).error;
 
     let to_others = escape + storage.times(&others);
     let of_lamps = RowSums { escape: &to_others, ..sums };
-    let mut closing = Problem::new(storage, of_lamps, lamps.clone(), MOST_FOR_LAMPS);
+    let mut closing = Closing::new(storage, of_lamps, lamps.clone(), MOST_FOR_LAMPS);
     let lamp_scale = closing.solve(&start, CLOSED_FOR_NOW, progress)?.scale;
 
     // Where lamps all but fill a row, lamps and rays are scaled alike.
@@ -292,7 +292,7 @@ pub fn balance_around_lamps(
     let escape_and_lamps =
         DVector::from_fn(n, |i, _| escape[i] + if flooded[i] { from_lamps[i] } else { 0.0 });
     let of_others = RowSums { escape: &escape_and_lamps, target: &target, ..sums };
-    let mut sharing = Problem::new(storage, of_others, others, MOST_FOR_OTHERS);
+    let mut sharing = Closing::new(storage, of_others, others, MOST_FOR_OTHERS);
     let other_scale = sharing.solve(&start, CLOSED_FOR_NOW, progress)?.scale;
     let passes = 4 + closing.passes + sharing.passes;
 
@@ -330,7 +330,7 @@ fn balance_within(
     most: usize,
     progress: Progress,
 ) -> Result<Balanced, Cancelled> {
-    let mut problem = Problem::new(storage, sums, DVector::repeat(sums.target.len(), 1.0), most);
+    let mut problem = Closing::new(storage, sums, DVector::repeat(sums.target.len(), 1.0), most);
     let before = problem.state(start.map(f64::ln)).error;
     let mut now = problem.solve(start, CLOSED, progress)?;
     let was_closed = now.error <= NOT_CLOSED;
@@ -538,7 +538,7 @@ mod tests {
     #[test]
     fn a_search_that_is_cut_short_leaves_no_row_above_its_target() {
         let case = random(1, 200, 4);
-        let mut problem = Problem::new(&case.storage, case.sums(), DVector::repeat(200, 1.0), MOST_PASSES);
+        let mut problem = Closing::new(&case.storage, case.sums(), DVector::repeat(200, 1.0), MOST_PASSES);
         let first = problem.state(DVector::zeros(200));
         let lowered = problem.lowered(&first);
         assert!(first.lack.min() < -0.1);

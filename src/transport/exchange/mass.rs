@@ -32,6 +32,11 @@ impl Mass {
         Self::in_units(basis, patches.normalised_etendues(), patches.unit_of_area())
     }
 
+    /// The mass of a scene's patches by area, for what arrives on them.
+    pub(crate) fn of_areas(basis: Basis, patches: &Patches) -> Self {
+        Self::in_units(basis, patches.normalised_areas(), patches.unit_of_area())
+    }
+
     /// The mass of patches of areas in some unit of so many m².
     fn in_units(basis: Basis, areas: &[f64], unit: f64) -> Self {
         let each = basis.coefficients();

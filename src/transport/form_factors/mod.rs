@@ -92,8 +92,8 @@ impl FormFactors {
         self.exchange().basis()
     }
 
-    /// Symmetric exchange areas S_ij = A_i F_ij, m²; of the first channel, where coloured
-    /// carriers make channels differ.
+    /// Symmetric exchange areas S_ij = A_i F_ij, m²; of the first channel, where coloured carriers make
+    /// channels differ.
     pub fn exchange(&self) -> &Exchange {
         &self.exchanges[0]
     }

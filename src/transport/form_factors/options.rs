@@ -33,7 +33,7 @@ pub enum Occlusion {
 #[derive(Clone, Copy, Debug)]
 pub struct TraceOptions<'a> {
     /// Rays per patch, rounded up to a multiple of 8; `None` for [`TraceOptions::usual_rays`]. Noise falls
-    /// about as rays^-0.6, time grows in proportion.
+    /// a little faster than 1/√rays, time grows in proportion.
     pub rays: Option<u32>,
     /// Shadow rays per patch towards lamps, rounded up to a multiple of 8; `None` for half of `rays`, 0 for
     /// none. They settle direct light.

@@ -16,8 +16,7 @@ use super::constants::{
 use super::density::Density;
 use crate::parallel;
 use crate::patches::{BYTES_PER_SLOT, Basis, Outlook, PatchError, Tessellation};
-use crate::scene::triangle;
-use crate::scene::{Feature, Material, Scene, Side};
+use crate::scene::{Feature, Material, Scene, Side, triangle};
 use crate::trace::{Lamps, Tracer};
 use crate::transport::exchange::{MANY, StorageKind};
 use crate::transport::form_factors::TraceOptions;

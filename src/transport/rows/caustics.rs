@@ -16,8 +16,7 @@ use super::recipe::{BATCHES, RAYS_PER_SHOT, Setting};
 use super::tones::Survivors;
 use crate::patches::Basis;
 use crate::progress::{Cancelled, Progress};
-use crate::trace::sampling;
-use crate::trace::sampling::Stream;
+use crate::trace::sampling::{self, Stream};
 
 /// A ray from a lamp that reached a patch by way of carriers.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

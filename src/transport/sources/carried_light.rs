@@ -35,12 +35,11 @@ const TASK: u32 = 1024;
 pub struct CarriedLight {
     /// Irradiance, a part of H₀, N × c, W·m⁻².
     pub irradiance: DMatrix<f64>,
-    /// Flux that carriers absorbed on ways that end on patches, per channel, in W·m⁻² times a unit of
-    /// area.
+    /// Flux that carriers absorbed on ways that end on patches, per channel, in W by `unit`.
     pub(crate) absorbed: Vec<f64>,
     /// Flux that was given up after too many carriers, the same.
     pub(crate) lost: Vec<f64>,
-    /// The unit of area of both, m².
+    /// The unit of area in which both were traced, m².
     pub(crate) unit: f64,
 }
 

@@ -57,7 +57,7 @@ impl Sources {
             });
         }
         options.progress.at("light", 1.0)?;
-        let mass = Mass::new(basis, patches.normalised_areas());
+        let mass = Mass::of_areas(basis, patches);
         let mut parts: Vec<DMatrix<f64>> = (0..PARTS)
             .map(|part| {
                 let rows = moments.chunks_exact(values).skip(part).step_by(PARTS);

@@ -19,7 +19,7 @@ use crate::trace::{Destination, Tint, Tracer};
 /// Rays that one task takes.
 const TASK: u32 = 1024;
 
-/// Where the light of lamps goes: flux per channel, in W·m⁻² times a unit of area.
+/// Where the light of lamps goes: flux per channel, in W by `unit`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LampFlux {
     /// What reaches patches straight, by pairs of points.
@@ -35,7 +35,7 @@ pub(crate) struct LampFlux {
     /// pairs share a sequence and differ more than independent ones would: it is rather too large than too
     /// small.
     pub standard_error: Vec<f64>,
-    /// The unit of area, m².
+    /// The unit of area in which it was traced, m².
     pub unit: f64,
 }
 
@@ -57,7 +57,7 @@ impl LampFlux {
     ) -> Self {
         let per_part = (rays.number / PARTS as u64).clamp(1, u64::from(SEQUENCE_END)) as u32;
         let missing = Senders::new(tracer, patches, emitted, rays.seed).missing(per_part);
-        let of_channels = |of: &dyn Fn(usize) -> f64| (0..emitted.ncols()).map(of).collect();
+        let of_channels = |value: &dyn Fn(usize) -> f64| (0..emitted.ncols()).map(value).collect();
         let mean =
             |c: usize, kind: usize| missing.iter().map(|part| part[c][kind]).sum::<f64>() / PARTS as f64;
         Self {

@@ -32,7 +32,8 @@ pub use receivers::ReceiverRows;
 /// Patches between two reports of progress.
 const CHUNK: usize = 4096;
 
-/// How to look for lights without area.
+/// How the light that starts is looked for: that of lights without area, and of lamps where they are not left
+/// to form factors.
 #[derive(Clone, Copy, Debug)]
 pub struct LightOptions<'a> {
     /// Rays per patch into the sky, 1 to 65536; a quarter as many go to each light. Time grows in proportion.
@@ -101,7 +102,7 @@ impl Sources {
             });
         }
         options.progress.at("light", 1.0)?;
-        let mass = Mass::new(basis, patches.normalised_areas());
+        let mass = Mass::of_areas(basis, patches);
         let mut fields = (0..=PARTS).map(|part| {
             let coefficients = moments.chunks_exact(each / (1 + PARTS)).skip(part).step_by(1 + PARTS);
             let mut field =

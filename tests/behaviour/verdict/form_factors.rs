@@ -1,5 +1,5 @@
-//! Form factors that are wrong: rows that do not close, light that escapes, patches without rays, directions that
-//! disagree.
+//! Form factors that are wrong: rows that do not close, light that escapes, patches without rays, directions
+//! that disagree.
 
 use radiosity::measure::{Cause, Level, Verdict};
 use radiosity::patches::Basis;

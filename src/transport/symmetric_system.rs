@@ -1,11 +1,12 @@
-//! Conjugate gradients (Hestenes & Stiefel 1952), for several right-hand sides in the same passes.
+//! Symmetric systems, solved by conjugate gradients (Hestenes & Stiefel 1952), several right-hand sides in the
+//! same passes.
 
 use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVectorView};
 
 /// A symmetric system A x = b, as the iteration sees it: N × C values, a column for each right-hand side.
-pub(crate) trait System {
+pub(crate) trait SymmetricSystem {
     type Error;
 
     /// A p.
@@ -31,11 +32,11 @@ pub(crate) trait System {
     }
 }
 
-/// x, from x = 0 on.
+/// Solves by conjugate gradients from x = 0 on; answers x.
 ///
 /// # Errors
-/// Those of [`System::goes_on`].
-pub(crate) fn conjugate_gradients<S: System>(
+/// Those of [`SymmetricSystem::goes_on`].
+pub(crate) fn solve_symmetric<S: SymmetricSystem>(
     system: &mut S,
     b: DMatrix<f64>,
 ) -> Result<DMatrix<f64>, S::Error> {
@@ -85,7 +86,7 @@ mod tests {
         passes: usize,
     }
 
-    impl System for Dense {
+    impl SymmetricSystem for Dense {
         type Error = Infallible;
 
         fn times(&mut self, p: &DMatrix<f64>) -> DMatrix<f64> {
@@ -114,7 +115,7 @@ mod tests {
         let matrix = &root * root.transpose() + DMatrix::identity(n, n);
         let b = DMatrix::from_fn(n, 3, |i, c| (i as f64 - 3.0) * (c as f64 + 0.5));
         let mut system = Dense { matrix: matrix.clone(), passes: 0 };
-        let Ok(x) = conjugate_gradients(&mut system, b.clone());
+        let Ok(x) = solve_symmetric(&mut system, b.clone());
         assert!(system.passes <= n + 1, "{}", system.passes);
         assert!((matrix * x - &b).amax() < 1e-10 * b.amax());
     }
@@ -123,7 +124,7 @@ mod tests {
     fn a_column_without_curvature_ends_after_its_last_step_and_leaves_others_alone() {
         let matrix = DMatrix::from_diagonal(&nalgebra::DVector::from_vec(vec![2.0, -1.0]));
         let b = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, 3.0]);
-        let Ok(x) = conjugate_gradients(&mut Dense { matrix, passes: 0 }, b);
+        let Ok(x) = solve_symmetric(&mut Dense { matrix, passes: 0 }, b);
         // The second column's first direction is b over the diagonal, along which A curves downwards.
         assert_eq!(x, DMatrix::from_row_slice(2, 2, &[0.5, 0.0, 0.0, -3.0]));
     }
