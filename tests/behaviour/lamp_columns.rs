@@ -43,12 +43,12 @@ fn partly_hidden_lamps_are_seen_without_bias() {
         Some(sheet([0.0, -0.6], [0.6, 0.6], 0.5)),
         Some(sheet([-0.4, -0.6], [0.6, 0.6], 0.5)),
     ];
-    let unhidden = irradiance(&shaded(None), 1 << 14, 1 << 17, 999);
-    for (case, blocker) in blockers.into_iter().enumerate() {
-        let scene = shaded(blocker);
-        let exact = irradiance(&scene, 1 << 14, 1 << 17, 999);
+    let scenes = blockers.map(shaded);
+    let exact = scenes.each_ref().map(|scene| irradiance(scene, 1 << 14, 1 << 17, 999));
+    let unhidden = exact[0];
+    for (case, (scene, exact)) in scenes.iter().zip(exact).enumerate() {
         const SEEDS: usize = 160;
-        let values: Vec<f64> = (0..SEEDS).map(|seed| irradiance(&scene, 512, 256, seed as u64)).collect();
+        let values: Vec<f64> = (0..SEEDS).map(|seed| irradiance(scene, 512, 256, seed as u64)).collect();
         let mean = values.iter().sum::<f64>() / SEEDS as f64;
         let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (SEEDS - 1) as f64;
         let standard_error = (variance / SEEDS as f64).sqrt() / unhidden;
