@@ -109,6 +109,7 @@ mod tests {
     use crate::patches::Reach;
     use crate::render::test_scenes::{by_corners, cut, quad, room, triangles};
     use crate::scene::Material;
+    use crate::scene::triangle;
 
     /// Header and body of the mesh of a scene.
     fn written(tracer: &Tracer, patches: &Patches) -> (String, Vec<u8>) {
@@ -195,9 +196,9 @@ mod tests {
                 vertex(u32::from_le_bytes(body[start + 13 * patch + 1 + 4 * k..][..4].try_into().unwrap())
                     as usize)
             };
-            let normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+            let across = triangle::across(&[0, 1, 2].map(corner));
             let place = patches.place(patch);
-            assert!(normal.dot(tracer.normal(place.face, place.side)) > 0.0);
+            assert!(across.dot(tracer.normal(place.face, place.side)) > 0.0);
         }
     }
 }

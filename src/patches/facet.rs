@@ -59,7 +59,7 @@ impl<'t> Facet<'t> {
         let solid_angle = solid_angle(from, &self.corners);
         let directions = self.corners.map(|corner| (corner - from).normalize_or_zero());
         let direction = sampling::uniform_spherical_triangle(directions, square);
-        let across = (b - a).cross(c - a);
+        let across = triangle::across(&self.corners);
         let (height, cosine) = (across.dot(a - from), across.dot(direction));
         let distance = height / cosine;
         let to = from + distance * direction - a;

@@ -66,8 +66,9 @@ impl Corner {
         match basis {
             Basis::Constant => field[(patch, c)],
             Basis::Linear => {
-                let ([v, w], at) = (self.within, |k: usize| field[(3 * patch + k, c)]);
-                at(0) * (1.0 - v - w) + at(1) * v + at(2) * w
+                let at = |k: usize| field[(3 * patch + k, c)];
+                let [u, v, w] = triangle::weights(self.within);
+                at(0) * u + at(1) * v + at(2) * w
             }
         }
     }
@@ -149,9 +150,9 @@ impl SmoothField {
     #[inline]
     pub fn at(&self, patch: usize, point: Barycentrics) -> impl Iterator<Item = f64> {
         let (origin, inverse) = self.weights[patch];
-        let w = inverse * (DVec2::from(point) - origin);
+        let [u, v, w] = triangle::weights((inverse * (DVec2::from(point) - origin)).to_array());
         let [a, b, c] = self.corners[patch].map(|point| self.value(point));
-        (0..self.channels).map(move |k| a[k] * (1.0 - w.x - w.y) + b[k] * w.x + c[k] * w.y)
+        (0..self.channels).map(move |k| a[k] * u + b[k] * v + c[k] * w)
     }
 }
 
@@ -224,9 +225,8 @@ fn corners_on_edges(tracer: &Tracer, patches: &Patches) -> Vec<Corner> {
     let cut = |&face: &usize| Side::BOTH.iter().any(|&side| patches.patches_of(face, side).len() > 1);
     for face in (0..faces).filter(cut) {
         for patch in Side::BOTH.into_iter().flat_map(|side| patches.patches_of(face, side)) {
-            for (corner, [u, v]) in corners_of(tracer, patches, patch).into_iter().zip(patches.corners(patch))
-            {
-                let weights = [1.0 - u - v, u, v].map(|w| w > 1e-9);
+            for (corner, at) in corners_of(tracer, patches, patch).into_iter().zip(patches.corners(patch)) {
+                let weights = triangle::weights(at).map(|w| w > 1e-9);
                 // Edge k faces corner k + 2.
                 if let Some(k) = (0..3).find(|&k| weights[k] && weights[(k + 1) % 3] && !weights[(k + 2) % 3])
                 {
@@ -291,11 +291,12 @@ fn on_edge<'a>(
 }
 
 /// The interpolated `vn` of a face's side where it has them and they make sense, else the facet's normal.
-fn shading_normal(tracer: &Tracer, face: usize, side: Side, [u, v]: Barycentrics) -> DVec3 {
+fn shading_normal(tracer: &Tracer, face: usize, side: Side, at: Barycentrics) -> DVec3 {
     let flat = tracer.normal(face, Side::Front);
     let scene = tracer.scene();
     let given = scene.faces()[face].normals.map(|n| n.map(|n| scene.normals()[n as usize]));
-    let shading = given.map_or(flat, |[a, b, c]| (a * (1.0 - u - v) + b * u + c * v).normalize_or_zero());
+    let [u, v, w] = triangle::weights(at);
+    let shading = given.map_or(flat, |[a, b, c]| (a * u + b * v + c * w).normalize_or_zero());
     let normal = if shading.dot(flat) > 0.0 { shading } else { flat };
     if side == Side::Back { -normal } else { normal }
 }

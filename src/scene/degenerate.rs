@@ -19,9 +19,7 @@ pub(super) fn drop_degenerate(
     let mut emits_at: HashMap<[[u64; 3]; 3], bool> = HashMap::new();
     for face in faces.iter_mut() {
         let corners = face.vertices.map(|v| vertices[v as usize]);
-        let [a, b, c] = corners;
-        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-        if triangle::across(&corners).length() <= 1e-12 * longest {
+        if triangle::across(&corners).length() <= 1e-12 * triangle::longest_squared(&corners) {
             face.state = FaceState::ZeroArea;
             flat += 1;
             continue;

@@ -31,6 +31,7 @@ mod tests {
     use glam::DMat3;
 
     use super::*;
+    use crate::scene::triangle;
 
     const TRIANGLE: [DVec3; 3] = [DVec3::ZERO, DVec3::X, DVec3::Y];
 
@@ -41,10 +42,10 @@ mod tests {
             let turn = DMat3::from_rotation_y(f64::from(k)) * DMat3::from_rotation_x(0.7 * f64::from(k));
             let place = |p: DVec3| 0.3 * (turn * p) + DVec3::new(0.1, 0.5, 0.3);
             let [own, other] = [TRIANGLE, neighbour].map(|corners| corners.map(place));
-            let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize();
             for there in [own, other] {
                 for side in [1.0, -1.0] {
-                    assert!(!can_face((&own, side * normal(own)), (&there, normal(there))), "turn {k}");
+                    let here = side * triangle::normal(&own);
+                    assert!(!can_face((&own, here), (&there, triangle::normal(&there))), "turn {k}");
                 }
             }
         }

@@ -25,14 +25,14 @@ const SPLITS: u32 = 5;
 /// Lambert's formula (1760), (1/2π) Σ θ_k n·Γ_k over the edges of what is above the horizon. 0 where the
 /// triangle can't be faced, see [`can_face`].
 pub fn form_factor_to_triangle(point: DVec3, normal: DVec3, corners: &[DVec3; 3]) -> f64 {
-    let [a, b, c] = corners.map(|corner| corner - point);
-    let across = (b - a).cross(c - a);
+    let corners = corners.map(|corner| corner - point);
+    let across = triangle::across(&corners);
     let is_above = |corner: DVec3| normal.dot(corner) > IN_PLANE;
-    if -across.dot(a) <= IN_PLANE * across.length() || ![a, b, c].into_iter().any(is_above) {
+    if -across.dot(corners[0]) <= IN_PLANE * across.length() || !corners.into_iter().any(is_above) {
         return 0.0;
     }
     // Clip at the horizon: at most four corners remain.
-    let (seen, count) = in_front(&[a, b, c], DVec3::ZERO, normal);
+    let (seen, count) = in_front(&corners, DVec3::ZERO, normal);
     let seen = &seen[..count];
     let edge = |k: usize| {
         let (from, to) = (seen[k], seen[(k + 1) % count]);
@@ -65,7 +65,7 @@ pub fn form_factor_between(here: (&[DVec3; 3], DVec3), there: (&[DVec3; 3], DVec
 
 /// The corners of a triangle in that order in which its front has this normal.
 fn wound_around(normal: DVec3, [a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
-    if (b - a).cross(c - a).dot(normal) < 0.0 { [a, c, b] } else { [a, b, c] }
+    if triangle::across(&[a, b, c]).dot(normal) < 0.0 { [a, c, b] } else { [a, b, c] }
 }
 
 /// The part of a triangle in front of the plane through a point with a unit normal, and its number of
@@ -102,10 +102,10 @@ fn flux_between(part: [DVec3; 3], normal: DVec3, large: &[DVec3; 3], splits: u32
         return parts.into_iter().map(|part| flux_between(part, normal, large, splits - 1)).sum();
     }
     let rule = if size < SMALL { &TRIANGLE_RULE_3[..] } else { &TRIANGLE_RULE_7[..] };
-    let from = |&([u, v], share): &([f64; 2], f64)| {
-        share * form_factor_to_triangle(a + (b - a) * u + (c - a) * v, normal, large)
+    let from = |&(at, share): &([f64; 2], f64)| {
+        share * form_factor_to_triangle(triangle::point(&part, at), normal, large)
     };
-    0.5 * (b - a).cross(c - a).length() * rule.iter().map(from).sum::<f64>()
+    triangle::area(&part) * rule.iter().map(from).sum::<f64>()
 }
 
 /// cos θ cos θ′ / (π r²) between two points with their normals: the form factor per unit of area there; 0
@@ -130,16 +130,14 @@ mod tests {
         for place in 0..40 {
             let random = |k: u32| Stream::Callers.sequence(8, place, 0).point(k).map(|x| 2.0 * x - 1.0);
             let corners = [0, 1, 2].map(|k| DVec3::from_slice(&random(k)) + 1.2 * DVec3::Z);
-            let [a, b, c] = corners;
-            let area = 0.5 * (b - a).cross(c - a).length();
+            let area = triangle::area(&corners);
             let [x, y, z, _] = random(3);
             let normal = DVec3::new(x, y, z).normalize();
-            let facing = (b - a).cross(c - a).normalize();
+            let facing = triangle::normal(&corners);
             let integral: f64 = (0..n)
                 .map(|k| {
                     let [u, v, ..] = Stream::Callers.sequence(6, place, 0).point(k);
-                    let [s, t] = uniform_triangle([u, v]);
-                    let q = a + (b - a) * s + (c - a) * t;
+                    let q = triangle::point(&corners, uniform_triangle([u, v]));
                     geometry_term((DVec3::ZERO, normal), (q, facing)) * area / n as f64
                 })
                 .sum();
@@ -151,9 +149,10 @@ mod tests {
     /// Form factor between two unit squares, each of two triangles.
     fn between_squares(squares: [[DVec3; 4]; 2]) -> f64 {
         let halves = squares.map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
-        let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize();
         let to_all = |here: [DVec3; 3]| {
-            let to = |there: &[DVec3; 3]| form_factor_between((&here, normal(here)), (there, normal(*there)));
+            let to = |there: &[DVec3; 3]| {
+                form_factor_between((&here, triangle::normal(&here)), (there, triangle::normal(there)))
+            };
             halves[1].iter().map(to).sum::<f64>()
         };
         0.5 * halves[0].into_iter().map(to_all).sum::<f64>()
@@ -172,9 +171,8 @@ mod tests {
 
     #[test]
     fn the_parts_of_a_triangle_get_what_the_whole_gets() {
-        let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize();
         let between = |here: &[DVec3; 3], there: &[DVec3; 3]| {
-            form_factor_between((here, normal(*here)), (there, normal(*there)))
+            form_factor_between((here, triangle::normal(here)), (there, triangle::normal(there)))
         };
         let parts = |[a, b, c]: [DVec3; 3]| {
             let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
@@ -200,9 +198,15 @@ mod tests {
             // A back has its normal and no winding of its own.
             for (here, there) in [(small, large), (large, small)] {
                 let [p, q, r] = there;
-                let other_order = form_factor_between((&here, normal(here)), (&[p, r, q], normal(there)));
+                let other_order = form_factor_between(
+                    (&here, triangle::normal(&here)),
+                    (&[p, r, q], triangle::normal(&there)),
+                );
                 let [p, q, r] = here;
-                let own_order = form_factor_between((&[p, r, q], normal(here)), (&there, normal(there)));
+                let own_order = form_factor_between(
+                    (&[p, r, q], triangle::normal(&here)),
+                    (&there, triangle::normal(&there)),
+                );
                 let known = between(&here, &there);
                 assert!(
                     (other_order - known).abs() < allowed && (own_order - known).abs() < allowed,

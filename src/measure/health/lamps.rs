@@ -149,12 +149,12 @@ impl Lamp {
 /// Cosine-distributed rays from all over a side of a face.
 fn rays_from(tracer: &Tracer, face: usize, side: Side, rays: u32, seed: u64) -> impl Iterator<Item = Ray> {
     let sequence = Stream::LampViews.sequence(seed, face as u32, u64::from(side == Side::Back));
-    let [a, b, c] = *tracer.corners(face);
+    let corners = *tracer.corners(face);
     let frame = sampling::frame_around(tracer.normal(face, side));
     (0..rays).map(move |k| {
         let [s, t, x, y] = sequence.point(k);
-        let [u, v] = sampling::uniform_triangle([s, t]);
+        let origin = triangle::point(&corners, sampling::uniform_triangle([s, t]));
         let direction = frame * sampling::cosine_hemisphere([x, y]);
-        Ray { origin: a + (b - a) * u + (c - a) * v, direction, from: face as u32 }
+        Ray { origin, direction, from: face as u32 }
     })
 }

@@ -80,9 +80,8 @@ fn lost_lamps(scene: &Scene, dropped: &[usize]) -> Vec<usize> {
 /// The greatest aspect, longest edge over height, of any face.
 pub(super) fn slivers(tracer: &Tracer) -> Finding {
     let aspect = |face: usize| {
-        let [a, b, c] = *tracer.corners(face);
-        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-        longest / triangle::across(&[a, b, c]).length()
+        let corners = tracer.corners(face);
+        triangle::longest_squared(corners) / triangle::across(corners).length()
     };
     let mut all: Vec<(f64, usize)> = kept(tracer.scene()).map(|face| (aspect(face), face)).collect();
     all.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));

@@ -12,6 +12,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 
 use crate::scene::FaceState;
+use crate::scene::triangle;
 use crate::trace::{Tracer, can_face};
 
 /// What is as near as this to a face lies in its plane, normalised lengths: files often round to as much.
@@ -104,11 +105,12 @@ impl<'t> Contacts<'t> {
     /// would see, and form factors between two such surfaces do not close: patches that see other things
     /// beside it are better.
     fn shines_on(&self, face: usize, flat: &Flat) -> bool {
-        let [a, b, c] = self.tracer.corners(face).map(|p| flat.place(p));
-        let front = (b - a).cross(c - a).normalize_or_zero();
+        let corners = self.tracer.corners(face).map(|p| flat.place(p));
+        let front = triangle::normal(&corners);
+        let [a, b, c] = corners;
         let middle = (a + b + c) / 3.0;
         let (below, normal) = (middle.with_z(0.0), DVec3::Z * middle.z.signum());
-        self.tracer.scene().material_of(face).emits() && can_face((&[below], normal), (&[a, b, c], front))
+        self.tracer.scene().material_of(face).emits() && can_face((&[below], normal), (&corners, front))
     }
 
     /// Whether edge `k` of a face is one on which light changes: not a line within a surface, as seen along

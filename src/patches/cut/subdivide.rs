@@ -193,15 +193,8 @@ impl Cuts {
 mod tests {
     use super::super::grid::cells_for;
     use super::*;
+    use crate::scene::triangle;
     use crate::trace::sampling::{Stream, uniform_triangle};
-
-    fn on(corners: &[DVec3; 3], [u, v]: Barycentrics) -> DVec3 {
-        corners[0] + (corners[1] - corners[0]) * u + (corners[2] - corners[0]) * v
-    }
-
-    fn area([a, b, c]: [DVec3; 3]) -> f64 {
-        0.5 * (b - a).cross(c - a).length()
-    }
 
     fn shapes() -> Vec<[DVec3; 3]> {
         [
@@ -221,9 +214,10 @@ mod tests {
             for edge in [10.0, 1.0, 0.31, 0.1] {
                 let cuts = Cuts::new([Uncut::Whole(&corners)].into_iter(), edge);
                 assert_eq!(cuts.cells(0) as u64, cells_for(&corners, edge));
-                let cell_area = |cell| area(cuts.corners(0, cell).map(|b| on(&corners, b)));
+                let cell_area =
+                    |cell| triangle::area(&cuts.corners(0, cell).map(|at| triangle::point(&corners, at)));
                 let total: f64 = (0..cuts.cells(0)).map(cell_area).sum();
-                assert!((total / area(corners) - 1.0).abs() < 1e-9, "{corners:?} {edge}: {total}");
+                assert!((total / triangle::area(&corners) - 1.0).abs() < 1e-9, "{corners:?} {edge}: {total}");
                 // Area alone could hide an overlap: every cell's points must be found in that cell.
                 for cell in 0..cuts.cells(0) {
                     let [a, b, c] = cuts.corners(0, cell).map(DVec2::from);
@@ -243,11 +237,11 @@ mod tests {
     #[test]
     fn cells_keep_the_orientation_of_their_face() {
         for corners in shapes() {
-            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+            let across = triangle::across(&corners);
             let cuts = Cuts::new([Uncut::Whole(&corners)].into_iter(), 0.2);
             for cell in 0..cuts.cells(0) {
-                let [a, b, c] = cuts.corners(0, cell).map(|p| on(&corners, p));
-                assert!((b - a).cross(c - a).dot(normal) > 0.0);
+                let cell = cuts.corners(0, cell).map(|at| triangle::point(&corners, at));
+                assert!(triangle::across(&cell).dot(across) > 0.0);
             }
         }
     }

@@ -15,6 +15,7 @@ use nalgebra::DMatrix;
 use crate::patches::cut::{Cuts, Uncut};
 use crate::patches::{Patches, Slot};
 use crate::scene::Side;
+use crate::scene::triangle;
 
 /// How far apart two opposite normals are taken to be, as a share of the scene's size: patches that face
 /// elsewhere part first.
@@ -104,8 +105,7 @@ impl Patches<'_> {
         let normals: Vec<DVec3> = cells
             .iter()
             .map(|(slot, _)| {
-                let [a, b, c] = self.scene.corners(slot.face);
-                let front = (b - a).cross(c - a).normalize_or_zero();
+                let front = triangle::normal(&self.scene.corners(slot.face));
                 turn * if slot.side == Side::Back { -front } else { front }
             })
             .collect();

@@ -6,6 +6,7 @@ use nalgebra::DMatrix;
 use crate::patches::{Barycentrics, Basis, Patches};
 use crate::render::smooth::SmoothField;
 use crate::render::tone::to_rgb;
+use crate::scene::triangle;
 use crate::trace::{Tint, Tracer};
 
 /// Radiance wherever there are patches.
@@ -58,10 +59,9 @@ impl<'a, 's> Elements<'a, 's> {
         match self.basis {
             Basis::Constant => self.rgb[patch],
             Basis::Linear => {
-                let [v, w] = self.patches.weights_in(self.patches.slot_of_patch(patch), point);
-                self.rgb[3 * patch] * (1.0 - v - w)
-                    + self.rgb[3 * patch + 1] * v
-                    + self.rgb[3 * patch + 2] * w
+                let within = self.patches.weights_in(self.patches.slot_of_patch(patch), point);
+                let [u, v, w] = triangle::weights(within);
+                self.rgb[3 * patch] * u + self.rgb[3 * patch + 1] * v + self.rgb[3 * patch + 2] * w
             }
         }
     }

@@ -194,7 +194,7 @@ impl Lights {
         let distance = if slope > 0.0 { (normal.dot(position - a) / slope).min(FARTHEST) } else { 0.0 };
         let drawn = position + direction * distance;
         let point = if drawn.is_finite() { drawn } else { foot };
-        let across = (b - a).cross(c - a);
+        let across = triangle::across(corners);
         let weight = |p: DVec3, q: DVec3| (p.cross(q).dot(across) / across.length_squared()).clamp(0.0, 1.0);
         let s = weight(point - a, c - a);
         [s, weight(b - a, point - a).min(1.0 - s)]

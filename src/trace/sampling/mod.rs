@@ -199,6 +199,7 @@ pub fn frame_around(normal: DVec3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::triangle;
 
     /// Checks that a sampler has its density: the mean of f under it is ∫ f·pdf, for several f at once.
     #[test]
@@ -285,17 +286,15 @@ mod tests {
         ];
         for corners in triangles {
             let n = 1 << 14;
-            let [a, b, c] = corners;
-            let normal = (b - a).cross(c - a);
+            let across = triangle::across(&corners);
             // The plane triangle by the midpoint rule: dω = cos θ/r² dA.
             let (mut exact, mut whole) = ([0.0; 4], 0.0);
             let steps = 300;
             let tests = |d: DVec3| [d.x, d.y, d.z, d.x * d.y];
             for k in 0..steps * steps {
                 let [u, v] = [k / steps, k % steps].map(|k| (f64::from(k) + 0.5) / f64::from(steps));
-                let [s, t] = uniform_triangle([u, v]);
-                let p = a + (b - a) * s + (c - a) * t;
-                let solid = normal.dot(p).abs() / p.length().powi(3);
+                let p = triangle::point(&corners, uniform_triangle([u, v]));
+                let solid = across.dot(p).abs() / p.length().powi(3);
                 whole += solid;
                 exact.iter_mut().zip(tests(p.normalize())).for_each(|(sum, f)| *sum += f * solid);
             }

@@ -159,6 +159,7 @@ pub fn shrink(x: &mut [f64], tau: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::triangle;
     use crate::trace::sampling::{Stream, uniform_triangle};
 
     /// M of one patch of area 1 by sampling.
@@ -167,8 +168,7 @@ mod tests {
         let mut mass = DMatrix::zeros(3, 3);
         for k in 0..points {
             let [s, t, ..] = Stream::Callers.sequence(3, 1, 4).point(k);
-            let [v, w] = uniform_triangle([s, t]);
-            let phi = DVector::from_row_slice(&[1.0 - v - w, v, w]);
+            let phi = DVector::from_row_slice(&triangle::weights(uniform_triangle([s, t])));
             mass += &phi * phi.transpose() / points as f64;
         }
         mass

@@ -243,9 +243,9 @@ mod tests {
     fn rectangle(face: u32, [a, b, c, d]: [[f64; 3]; 4]) -> [Polygon; 2] {
         [[a, b, c], [a, c, d]].map(|corners| {
             let corners = corners.map(DVec3::from);
-            let across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-            let facet = Facet { face, corners, normal: across.normalize(), coat: None, side: Side::Front };
-            Polygon::new(&facet, 0.5 * across.length())
+            let normal = triangle::normal(&corners);
+            let facet = Facet { face, corners, normal, coat: None, side: Side::Front };
+            Polygon::new(&facet, triangle::area(&corners))
         })
     }
 
@@ -300,10 +300,10 @@ mod tests {
             let turn = f64::from(k) * TAU / 64.0;
             let corner = |angle: f64| DVec3::new(angle.cos(), 1.4 * angle.sin(), 0.0);
             let corners = [0.1, 2.0, 4.5].map(|angle| corner(angle + turn));
-            let low =
-                Polygon::new(&Facet { face: 0, corners, normal: DVec3::Z, coat: None, side: Side::Front }, {
-                    0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).length()
-                });
+            let low = Polygon::new(
+                &Facet { face: 0, corners, normal: DVec3::Z, coat: None, side: Side::Front },
+                triangle::area(&corners),
+            );
             for factor in [1.01 * SIX_DO, 1.01 * THREE_DO] {
                 let away = DVec3::new(turn.sin(), 0.3, 1.0).normalize() * factor * 2.0 * low.radius;
                 let up = low.centre + away;

@@ -208,11 +208,11 @@ mod tests {
         let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
         let parts = parts_of(corners);
         assert_eq!(parts.len(), CUTS * CUTS);
-        for (k, [a, b, c]) in parts.into_iter().enumerate() {
-            assert!(((b - a).cross(c - a).z * (CUTS * CUTS) as f64 - 1.0).abs() < 1e-12, "wound alike");
-            for weights in [[0.8, 0.1, 0.1], [0.1, 0.8, 0.1], [0.1, 0.1, 0.8]] {
-                let p = weights[0] * a + weights[1] * b + weights[2] * c;
-                assert_eq!(part_at([1.0 - p.x - p.y, p.x, p.y]), k);
+        for (k, part) in parts.into_iter().enumerate() {
+            assert!((triangle::across(&part).z * (CUTS * CUTS) as f64 - 1.0).abs() < 1e-12, "wound alike");
+            for at in [[0.1, 0.1], [0.8, 0.1], [0.1, 0.8]] {
+                let p = triangle::point(&part, at);
+                assert_eq!(part_at(triangle::weights([p.x, p.y])), k);
             }
         }
     }

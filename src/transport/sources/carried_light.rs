@@ -19,6 +19,7 @@ use rayon::prelude::*;
 use super::{LightOptions, PARTS};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
+use crate::scene::triangle;
 use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream, uniform_triangle};
 use crate::trace::{Destination, Lights, RayHit, SkySampler, Targets, Tint, Tracer};
 use crate::transport::exchange::Mass;
@@ -332,13 +333,13 @@ impl Search<'_> {
 
 /// Adds flux (per channel) at a point of a patch to its moments, a row of channels per basis function.
 #[inline]
-fn add(moments: &mut [f64], basis: Basis, [u, v]: [f64; 2], flux: &[f64]) {
+fn add(moments: &mut [f64], basis: Basis, at: [f64; 2], flux: &[f64]) {
     let mut add = |a: usize, phi: f64| {
         let row = &mut moments[a * flux.len()..][..flux.len()];
         row.iter_mut().zip(flux).for_each(|(sum, flux)| *sum += phi * flux);
     };
     match basis {
         Basis::Constant => add(0, 1.0),
-        Basis::Linear => [1.0 - u - v, u, v].into_iter().enumerate().for_each(|(a, phi)| add(a, phi)),
+        Basis::Linear => triangle::weights(at).into_iter().enumerate().for_each(|(a, phi)| add(a, phi)),
     }
 }

@@ -15,6 +15,7 @@ use super::LightOptions;
 use super::crossings::add_crossings;
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
+use crate::scene::triangle;
 use crate::scene::{Receiver, Side};
 use crate::trace::sampling::{Stream, cosine_hemisphere, frame_around};
 use crate::trace::{Destination, Interaction, Lamps, Lights, Ray, RayHit, Tint, Tracer, geometry_term};
@@ -195,8 +196,8 @@ impl Gather<'_, '_> {
         match self.basis {
             Basis::Constant => row.push((patch as u32, weight)),
             Basis::Linear => {
-                let [u, v] = self.patches.weights_in(self.patches.slot_of_patch(patch), barycentrics);
-                let corners = [1.0 - u - v, u, v];
+                let within = self.patches.weights_in(self.patches.slot_of_patch(patch), barycentrics);
+                let corners = triangle::weights(within);
                 row.extend((0..3).map(|a| (3 * patch as u32 + a, weight * corners[a as usize])));
             }
         }

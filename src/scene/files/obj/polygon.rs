@@ -166,6 +166,7 @@ impl Flat {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::triangle;
 
     fn level(corners: &[[f64; 2]]) -> Vec<DVec3> {
         corners.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect()
@@ -173,8 +174,7 @@ mod tests {
 
     /// The area along an axis.
     fn area(corners: &[DVec3], triangles: &[[usize; 3]]) -> DVec3 {
-        let area_vector =
-            |&[a, b, c]: &[usize; 3]| (corners[b] - corners[a]).cross(corners[c] - corners[a]) / 2.0;
+        let area_vector = |of: &[usize; 3]| triangle::across(&of.map(|k| corners[k])) / 2.0;
         triangles.iter().map(area_vector).sum()
     }
 
