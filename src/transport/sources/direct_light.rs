@@ -7,10 +7,9 @@
 use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
 use super::lamp_flux::{LampFlux, LampRays};
-use super::{LightOptions, PARTS, Sources};
+use super::{LightOptions, LooksForLight, PARTS, Sources};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::scene::Scene;
@@ -18,9 +17,6 @@ use crate::trace::sampling::Stream;
 use crate::trace::{Lamps, Tracer, geometry_term};
 use crate::transport::exchange::Mass;
 use crate::transport::form_factors::TraceOptions;
-
-/// Patches between two reports of progress.
-const CHUNK: usize = 4096;
 
 impl Sources {
     /// The same with what lamps send straight to patches among what lights bring: [`Sources::direct`] is then
@@ -47,16 +43,7 @@ impl Sources {
         let channels = self.emitted.ncols();
         // Each eighth of the pairs by itself.
         let values = basis.coefficients() * channels;
-        let each = PARTS * values;
-        let mut moments = vec![0.0; each * patches.len()];
-        for (chunk, rows) in moments.chunks_mut(CHUNK * each).enumerate() {
-            options.progress.at("light", (chunk * CHUNK) as f64 / patches.len() as f64)?;
-            rows.par_chunks_mut(each).enumerate().for_each(|(k, row)| match basis {
-                Basis::Constant => look.add_moments::<1>(chunk * CHUNK + k, |_| [1.0], row),
-                Basis::Linear => look.add_moments::<3>(chunk * CHUNK + k, |[u, v]| [1.0 - u - v, u, v], row),
-            });
-        }
-        options.progress.at("light", 1.0)?;
+        let moments = look.moments(basis, patches.len(), PARTS * values, options.progress)?;
         let mass = Mass::of_areas(basis, patches);
         let mut parts: Vec<DMatrix<f64>> = (0..PARTS)
             .map(|part| {
@@ -95,7 +82,7 @@ struct Look<'a> {
     seed: u64,
 }
 
-impl Look<'_> {
+impl LooksForLight for Look<'_> {
     /// Adds ∫ φ_a H/π dA over a patch to `moments`: for each eighth of the pairs a row of channels for each
     /// of the basis functions `phi`.
     fn add_moments<const N: usize>(

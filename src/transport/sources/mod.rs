@@ -93,15 +93,7 @@ impl Sources {
         let look = Look { tracer, patches, lights, rays, seed: options.seed, channels };
         // All rays together, then each part of them by itself.
         let each = (1 + PARTS) * basis.coefficients() * channels;
-        let mut moments = vec![0.0; each * patches.len()];
-        for (chunk, rows) in moments.chunks_mut(CHUNK * each).enumerate() {
-            options.progress.at("light", (chunk * CHUNK) as f64 / patches.len() as f64)?;
-            rows.par_chunks_mut(each).enumerate().for_each(|(k, row)| match basis {
-                Basis::Constant => look.add_moments::<1>(chunk * CHUNK + k, |_| [1.0], row),
-                Basis::Linear => look.add_moments::<3>(chunk * CHUNK + k, |[u, v]| [1.0 - u - v, u, v], row),
-            });
-        }
-        options.progress.at("light", 1.0)?;
+        let moments = look.moments(basis, patches.len(), each, options.progress)?;
         let mass = Mass::of_areas(basis, patches);
         let mut fields = (0..=PARTS).map(|part| {
             let coefficients = moments.chunks_exact(each / (1 + PARTS)).skip(part).step_by(1 + PARTS);
@@ -204,6 +196,38 @@ impl<const N: usize> Parts<N> {
     }
 }
 
+/// What looks for light from a patch. A trait, since the way to do it is generic in the number of functions.
+trait LooksForLight: Sync {
+    /// Adds moments of what arrives on a patch to `moments`: rows of channels for each of the basis functions
+    /// `phi`, which take the weights of the second and third corner.
+    fn add_moments<const N: usize>(
+        &self,
+        patch: usize,
+        phi: impl Fn([f64; 2]) -> [f64; N],
+        moments: &mut [f64],
+    );
+
+    /// The moments of so many patches by the functions of a basis, `each` values a patch.
+    fn moments(
+        &self,
+        basis: Basis,
+        patches: usize,
+        each: usize,
+        progress: Progress,
+    ) -> Result<Vec<f64>, Cancelled> {
+        let mut moments = vec![0.0; each * patches];
+        for (chunk, rows) in moments.chunks_mut(CHUNK * each).enumerate() {
+            progress.at("light", (chunk * CHUNK) as f64 / patches as f64)?;
+            rows.par_chunks_mut(each).enumerate().for_each(|(k, row)| match basis {
+                Basis::Constant => self.add_moments(chunk * CHUNK + k, |_| [1.0], row),
+                Basis::Linear => self.add_moments(chunk * CHUNK + k, triangle::weights, row),
+            });
+        }
+        progress.at("light", 1.0)?;
+        Ok(moments)
+    }
+}
+
 /// All it takes to look for light from a patch.
 struct Look<'a> {
     tracer: &'a Tracer<'a>,
@@ -223,7 +247,7 @@ struct LightLook<'a> {
     mean: Option<f64>,
 }
 
-impl Look<'_> {
+impl LooksForLight for Look<'_> {
     /// Adds ∫ φ_a H₀ dA over a patch to `moments`, a row of channels for each of the basis functions `phi`;
     /// and after that, for each part of the rays, by how much more it finds.
     fn add_moments<const N: usize>(
@@ -286,7 +310,9 @@ impl Look<'_> {
             add(&seen, 1.0 / f64::from(self.rays), sky.zenith());
         }
     }
+}
 
+impl Look<'_> {
     /// Rays of a patch to each light.
     fn rays_to_light(&self) -> u32 {
         self.rays.div_ceil(RAYS_PER_LIGHT_RAY)
