@@ -18,6 +18,11 @@ pub(crate) const MOST_CARRIERS_OF_BRANCHES: u32 = 32;
 /// number.
 pub(super) const MOST_CROSSED: u32 = 4096;
 
+/// The most surfaces that a straight line is followed through to find whether it starts inside of something;
+/// a number. Fewer than [`MOST_CROSSED`], as a limit on time: 64 lines from a place are counted, for a warning
+/// alone. In which dielectric a point lies is told by two or three lines, and changes the light.
+pub(crate) const MOST_CROSSINGS: usize = 1000;
+
 /// Rays from suns and skies start so far from what they aim at; normalised lengths. Chosen: points of the
 /// cube [−1, 1]³, in which the scene lies, are at most √12 ≈ 3.46 apart.
 pub(crate) const OUTSIDE: f64 = 4.0;

@@ -34,7 +34,7 @@ pub(crate) use interaction::Interaction;
 pub use lambert::{form_factor_between, form_factor_to_triangle, geometry_term};
 use layers::Layers;
 pub use layers::{Overlap, OverlapKind};
-pub(crate) use limits::{MOST_CARRIERS_OF_BRANCHES, MOST_CARRIERS_OF_PATHS, OUTSIDE};
+pub(crate) use limits::{MOST_CARRIERS_OF_BRANCHES, MOST_CARRIERS_OF_PATHS, MOST_CROSSINGS, OUTSIDE};
 pub(crate) use scattering::SpecularPath;
 pub use scattering::{Coat, Destination, Glossy, Scattered, Tint, fresnel};
 use scattering::{Gloss, Media};

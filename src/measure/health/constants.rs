@@ -3,6 +3,9 @@
 
 use std::ops::Range;
 
+/// The most faces that a finding names; a number.
+pub(super) const MOST_FACES: usize = 10;
+
 // Shape.
 
 /// Extents of scenes that are plausible, m. Others are likely given in another unit.
@@ -73,9 +76,6 @@ pub(super) const DRAWN_PER_LOOK: u32 = 8;
 
 /// Points of a receiver that look around; a number.
 pub(super) const RECEIVER_POINTS: usize = 16;
-
-/// Faces that a straight line is followed through; a number. A limit on time.
-pub(super) const MOST_CROSSINGS: usize = 1000;
 
 /// What is as large as this part of the longest side of the scene holds the scene and is no solid in it; a
 /// pure number.

@@ -78,7 +78,7 @@ pub struct Finding {
 
 impl Finding {
     /// The most faces that a finding names.
-    pub const MOST_FACES: usize = 10;
+    pub const MOST_FACES: usize = constants::MOST_FACES;
 
     /// A good finding; the rest is said by those that are not.
     fn good(name: &'static str, value: f64, unit: Option<&'static str>) -> Self {

@@ -5,12 +5,12 @@ use std::fmt::Write;
 
 use glam::DVec3;
 
-use super::constants::{DRAWN_PER_LOOK, LOOKS, MOST_CROSSINGS, RECEIVER_POINTS, ROOM};
+use super::constants::{DRAWN_PER_LOOK, LOOKS, RECEIVER_POINTS, ROOM};
 use super::edges::Edges;
 use super::{Grade, lamps};
 use crate::scene::{Light, Scene, Side};
 use crate::trace::sampling::{Sequence, Stream};
-use crate::trace::{Ray, Tracer, sampling};
+use crate::trace::{MOST_CROSSINGS, Ray, Tracer, sampling};
 
 /// What a place sees.
 enum Surroundings {

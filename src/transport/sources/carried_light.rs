@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::{LightOptions, PARTS};
+use super::{CHUNK, LightOptions, PARTS, TASK};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::scene::triangle;
@@ -24,12 +24,6 @@ use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream, uniform_triangle};
 use crate::trace::{Destination, Lights, RayHit, SkySampler, Targets, Tint, Tracer};
 use crate::transport::exchange::Mass;
 use crate::transport::rows::{RAYS_PER_SHOT, Shots};
-
-/// Patches between two reports of progress.
-const CHUNK: usize = 4096;
-
-/// Shots that one task takes.
-const TASK: u32 = 1024;
 
 /// Light by way of carriers.
 #[derive(Clone, Debug, PartialEq)]

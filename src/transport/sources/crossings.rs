@@ -9,15 +9,12 @@ use std::cell::Cell;
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::LightOptions;
+use super::{LightOptions, TASK};
 use crate::progress::Cancelled;
 use crate::scene::Receiver;
 use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream};
 use crate::trace::{Destination, Lights, Ray, Targets, Tint, Tracer};
 use crate::transport::rows::Shots;
-
-/// Shots that one task takes.
-const TASK: u32 = 1024;
 
 /// Fewest and most sequences of shots from all lights.
 const SEQUENCES: [usize; 2] = [8, 64];

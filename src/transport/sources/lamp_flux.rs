@@ -11,15 +11,12 @@ use std::ops::Range;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::PARTS;
+use super::{PARTS, TASK};
 use crate::patches::Patches;
 use crate::trace::sampling::{Discrete, SEQUENCE_END, Stream, uniform_triangle};
 use crate::trace::{Destination, Tint, Tracer};
 
-/// Rays that one task takes.
-const TASK: u32 = 1024;
-
-/// Where the light of lamps goes: flux per channel, in W by `unit`.
+/// Where the light of lamps goes: flux per channel, in W·m⁻² times a unit of area.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LampFlux {
     /// What reaches patches straight, by pairs of points.

@@ -29,11 +29,15 @@ use carried_light::Measured;
 pub(crate) use lamp_flux::LampFlux;
 pub use receivers::ReceiverRows;
 
-/// Patches between two reports of progress.
+/// Patches between two reports of progress; a number. Chosen, not fitted.
 const CHUNK: usize = 4096;
 
-/// How the light that starts is looked for: that of lights without area, and of lamps where they are not left
-/// to form factors.
+/// Rays or shots that one task takes, by which random sequences are divided without remainder; a number.
+/// Chosen, not fitted. What a task finds is summed up before sums of tasks are: with another number the last
+/// bits differ.
+const TASK: u32 = 1024;
+
+/// How to look for lights without area.
 #[derive(Clone, Copy, Debug)]
 pub struct LightOptions<'a> {
     /// Rays per patch into the sky, 1 to 65536; a quarter as many go to each light. Time grows in proportion.
