@@ -77,9 +77,6 @@ pub(super) const PIXEL_RAYS: f64 = 2.5;
 /// Chosen, not fitted, as far as the history tells.
 pub(super) const PIXEL_CARRIED: f64 = 20.0;
 
-/// Memory of a pixel, bytes: three numbers of 8.
-pub(super) const PIXEL_BYTES: f64 = 24.0;
-
 /// Rays by which a slot looks for light around it, on average; a number. Chosen, not fitted, as far as the
 /// history tells.
 pub(super) const LOOKS: f64 = 20.0;
@@ -99,3 +96,30 @@ pub(super) const DENSITY_CARRIERS: u32 = 128;
 /// interval; a number. Chosen, not fitted.
 pub(super) const MOST_FADING: f64 = 64.0;
 pub(super) const FADING_HALVINGS: u32 = 16;
+
+// Bytes, counted by what the stored types hold.
+
+/// Memory of a number of a field, a vector or factors, bytes.
+pub(super) const NUMBER_BYTES: f64 = 8.0;
+
+/// Memory of an entry of a full matrix, and of a sparse one with its column, bytes.
+pub(super) const FULL_ENTRY_BYTES: f64 = 4.0;
+pub(super) const SPARSE_ENTRY_BYTES: f64 = 8.0;
+
+/// Memory of a sparse matrix for each patch that the rays of another find, by which it is held against a full
+/// one, bytes: 1.5 entries, for most pairs are met from both sides or from one.
+pub(super) const SPARSE_FOUND_BYTES: f64 = 12.0;
+
+/// Memory of a ray's end, of constant elements and of linear ones, which keep the place in the patch too,
+/// bytes.
+pub(super) const LANDING_BYTES: f64 = 4.0;
+pub(super) const LANDING_BYTES_LINEAR: f64 = 6.0;
+
+/// Memory of pairs of linear elements: of a ray that is kept as it is, of the block of sums that stands for
+/// many, and of a patch beside these, bytes.
+pub(super) const PAIR_RAY_BYTES: f64 = 8.0;
+pub(super) const PAIR_BLOCK_BYTES: f64 = 40.0;
+pub(super) const PAIRED_PATCH_BYTES: f64 = 24.0;
+
+/// Memory of a pixel, bytes: three numbers.
+pub(super) const PIXEL_BYTES: f64 = 3.0 * NUMBER_BYTES;

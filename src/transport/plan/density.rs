@@ -9,7 +9,10 @@
 
 use glam::DVec3;
 
-use super::constants::{DENSITY_CARRIERS, DENSITY_COLUMNS, DENSITY_ROWS, FADING_HALVINGS, MOST_FADING};
+use super::constants::{
+    DENSITY_CARRIERS, DENSITY_COLUMNS, DENSITY_ROWS, FADING_HALVINGS, MOST_FADING, PAIR_BLOCK_BYTES,
+    PAIR_RAY_BYTES,
+};
 use crate::patches::{Outlook, Stretch};
 use crate::scene::Side;
 use crate::scene::triangle;
@@ -98,7 +101,7 @@ impl Density {
                     [chance(one_way, around), chance(one_way * back, around * back), bytes]
                 } else if f > 0.0 {
                     let seen = visible[k] * found_by_pairs;
-                    [0.5 * seen, seen, 40.0 * seen]
+                    [0.5 * seen, seen, PAIR_BLOCK_BYTES * seen]
                 } else {
                     [0.0; 3]
                 };
@@ -135,15 +138,16 @@ fn fading(parts: &[[f64; 2]]) -> f64 {
     high
 }
 
-/// Bytes of a pair between which so many rays are expected: 8 a ray, or 40 from `block` rays on.
+/// Bytes of a pair between which so many rays are expected: those of the rays, or from `block` rays on those
+/// of a block.
 fn bytes_of_pair(rays: f64, block: usize) -> f64 {
     let (mut chance, mut few, mut bytes) = ((-rays).exp(), 0.0, 0.0);
     for k in 0..block {
         few += chance;
-        bytes += 8.0 * k as f64 * chance;
+        bytes += PAIR_RAY_BYTES * k as f64 * chance;
         chance *= rays / (k + 1) as f64;
     }
-    bytes + 40.0 * (1.0 - few)
+    bytes + PAIR_BLOCK_BYTES * (1.0 - few)
 }
 
 /// cos θ cos θ′ A / (π r² + A), no more than the cosine.

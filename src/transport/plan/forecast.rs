@@ -9,9 +9,10 @@ use serde::Serialize;
 
 use super::constants::{
     BALANCING, BALANCING_EXACT, BYTE, CARRIERS_MET, CG_BOUND, CG_PER_ORDER, CG_VECTORS, ERRORS, FACE_BUILT,
-    FACE_READ, FACTORED_PRODUCTS, FACTORING, LANDING, LEAST_TOLERANCE, LOOKS, MEMORY_THREADS, OTHER_CHANNELS,
-    PAIR, PASSED_ON, PATCH_WRITTEN, PIXEL, PIXEL_BYTES, PIXEL_CARRIED, PIXEL_RAYS, QUICK, RAY,
-    SERIES_VECTORS, SHADOW_RAY,
+    FACE_READ, FACTORED_PRODUCTS, FACTORING, FULL_ENTRY_BYTES, LANDING, LANDING_BYTES, LANDING_BYTES_LINEAR,
+    LEAST_TOLERANCE, LOOKS, MEMORY_THREADS, NUMBER_BYTES, OTHER_CHANNELS, PAIR, PAIRED_PATCH_BYTES,
+    PASSED_ON, PATCH_WRITTEN, PIXEL, PIXEL_BYTES, PIXEL_CARRIED, PIXEL_RAYS, QUICK, RAY, SERIES_VECTORS,
+    SHADOW_RAY, SPARSE_ENTRY_BYTES, SPARSE_FOUND_BYTES,
 };
 use super::density::Density;
 use crate::parallel;
@@ -117,7 +118,7 @@ pub struct Parts {
 pub(crate) fn is_quickly_factored(n: usize, factors: usize, memory: u64) -> bool {
     // n³/3 multiplications and additions a factor.
     let (n, factors) = (n as f64, factors as f64);
-    factors * n.powi(3) / 3.0 < QUICK && factors * 8.0 * n * n <= memory as f64
+    factors * n.powi(3) / 3.0 < QUICK && factors * NUMBER_BYTES * n * n <= memory as f64
 }
 
 impl Forecast {
@@ -299,7 +300,7 @@ impl<'a> Job<'a> {
             without_rays: without_rays.err(),
             ray: through(RAY),
             shadow_ray: through(SHADOW_RAY),
-            vector: (8 * work.trace.basis.coefficients() * channels) as f64 * patches,
+            vector: NUMBER_BYTES * (work.trace.basis.coefficients() * channels) as f64 * patches,
         })
     }
 
@@ -321,7 +322,7 @@ impl<'a> Job<'a> {
         let is_traced = self.interreflects && !self.is_exact;
         let rays = if is_traced { patches * f64::from(self.per_patch) } else { 0.0 };
         let exact = if self.is_exact { self.shared(0.5 * patches * patches * PAIR) } else { 0.0 };
-        let landing_bytes = if trace.basis == Basis::Linear { 6.0 } else { 4.0 };
+        let landing_bytes = if trace.basis == Basis::Linear { LANDING_BYTES_LINEAR } else { LANDING_BYTES };
         let met = rays * self.density.carried * CARRIERS_MET;
         let [_, turned] = coated_shares(self.tracer);
         let turned = rays * self.density.landing * turned;
@@ -351,7 +352,7 @@ impl<'a> Job<'a> {
     fn matrix(&self, rays: &RayCosts) -> MatrixCosts {
         let bytes = match (self.interreflects, self.is_exact) {
             (false, _) => 0.0,
-            (_, true) => 4.0 * self.patches * self.patches,
+            (_, true) => FULL_ENTRY_BYTES * self.patches * self.patches,
             _ => matrix_bytes(self.patches, self.work.trace, &self.density),
         };
         let byte = BYTE[usize::from(self.channels > 1)];
@@ -376,7 +377,7 @@ impl<'a> Job<'a> {
         let orders = orders_for(self.density.reflected, work.tolerance).min(work.order as f64);
         let (factor, solve) = if factored {
             let operations = factors as f64 * (unknowns as f64).powi(3) / 3.0;
-            let bytes = 8.0 * factors as f64 * (unknowns as f64).powi(2);
+            let bytes = NUMBER_BYTES * factors as f64 * (unknowns as f64).powi(2);
             (
                 cost(0.0, operations / FACTORING / self.threads as f64, bytes),
                 cost(0.0, FACTORED_PRODUCTS * pass, 0.0),
@@ -468,12 +469,13 @@ fn sum(costs: &[Cost]) -> Cost {
 
 /// Bytes of the matrix, stored as asked for.
 fn matrix_bytes(patches: f64, options: &TraceOptions, density: &Density) -> f64 {
-    let dense = 4.0 * (patches * options.basis.coefficients() as f64).powi(2);
+    let dense = FULL_ENTRY_BYTES * (patches * options.basis.coefficients() as f64).powi(2);
+    let is_full = SPARSE_FOUND_BYTES * density.found >= FULL_ENTRY_BYTES * patches;
     match (options.basis, options.storage) {
         (_, StorageKind::Dense) => dense,
-        (Basis::Linear, _) => patches * (density.pair_bytes + 24.0),
-        (Basis::Constant, StorageKind::Auto) if 12.0 * density.found >= 4.0 * patches => dense,
-        (Basis::Constant, _) => patches * 8.0 * (density.entries + 1.0),
+        (Basis::Linear, _) => patches * (density.pair_bytes + PAIRED_PATCH_BYTES),
+        (Basis::Constant, StorageKind::Auto) if is_full => dense,
+        (Basis::Constant, _) => patches * SPARSE_ENTRY_BYTES * (density.entries + 1.0),
     }
 }
 
