@@ -74,7 +74,8 @@ pub(super) const NOISE_AT_MOST: f64 = 1.05;
 pub(super) const NOISE_AT_MOST_LINEAR: f64 = 6.0;
 
 /// Student's t for 95 % of one side and 7 degrees of freedom, one less than there are batches; a pure number.
-/// Mathematics, rounded; form factors between groups use the same quantile with more digits.
+/// Mathematics, rounded; form factors between groups use the same quantile with more digits. Each keeps its
+/// own, since bounds that are written out would differ in the fourth digit.
 pub(super) const STUDENT: f64 = 1.895;
 
 /// The relative rounding of stored exchange areas; a pure number, by their format.

@@ -11,6 +11,7 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
+use super::constants::{DISAGREE, FEWEST_RAYS};
 use crate::patches::{Patches, Slot};
 use crate::scene::Side;
 use crate::transport::rows::Rows;
@@ -23,13 +24,6 @@ pub struct Disagreement {
     /// By how many standard errors.
     pub z: f64,
 }
-
-/// Beyond this many standard errors a pair is told: good scenes stay below 2.4, broken ones reach 38 and
-/// more.
-pub const DISAGREE: f64 = 5.0;
-
-/// With no more rays than this one way, and none the other, |z| stays within [`DISAGREE`].
-const FEWEST_RAYS: u32 = (DISAGREE * DISAGREE) as u32;
 
 /// What the rays of one side found of another.
 #[derive(Clone, Copy, Debug, Default)]

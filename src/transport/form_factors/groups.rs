@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::FormFactors;
+use super::constants::{FEW_SEEN, MOST_LISTED, NONE_SEEN, STUDENT};
 use crate::patches::Patches;
 use crate::progress::Progress;
 use crate::transport::TransportError;
@@ -46,12 +47,6 @@ pub struct Unmet {
     largest: Vec<f64>,
     whole: Vec<f64>,
 }
-
-/// Upper 95 % bound on the mean of a number that came out as 0, −ln 0.05 (Poisson).
-const NONE_SEEN: f64 = 2.995_732_273_553_991;
-
-/// Up to so many rays their number bounds what they tell of; from more, batches know better.
-const FEW: f64 = 64.0;
 
 impl Unmet {
     /// For groups of patches that sent so many rays each; `group_of` as in [`FormFactors::between_groups`].
@@ -174,10 +169,8 @@ struct Evidence {
 /// The upper 95 % bound on a form factor: Student's for 7 degrees of freedom, and where few rays tell of it,
 /// Poisson's for their number.
 fn upper95(form_factor: f64, standard_error: f64, hits: f64) -> f64 {
-    /// Student's 95 % quantile.
-    const STUDENT: f64 = 1.894_578_605;
     let by_batches = form_factor + STUDENT * standard_error;
-    let few = hits > 0.0 && hits <= FEW;
+    let few = hits > 0.0 && hits <= FEW_SEEN;
     // The 95 % bound on the mean of a number h that was seen is half the quantile of χ² with 2 h + 2 degrees
     // of freedom.
     let quantile = |hits: f64| ChiSquared::new(2.0 * hits + 2.0).map(|chi| 0.5 * chi.inverse_cdf(0.95));
@@ -202,7 +195,7 @@ fn evidence(exchange: &Exchange, group_of: &[usize], rays: f64) -> Vec<Vec<(usiz
         let mut add = |to: usize, raw: f64, worth: f64| {
             totals.push((to, raw));
             squares.push((to, raw * worth));
-            if totals.len() > 1 << 16 {
+            if totals.len() > MOST_LISTED {
                 add_up(&mut totals);
                 add_up(&mut squares);
             }
@@ -242,7 +235,7 @@ fn sums(exchange: &Exchange, group_of: &[usize]) -> Sums {
             exchange.for_entries(i, |j, area| to.push((group_of[j], area)));
             to.push((groups, exchange.ends().escape(i)));
             // Sum up now and then, so that the list stays short.
-            if to.len() > 1 << 16 {
+            if to.len() > MOST_LISTED {
                 add_up(&mut to);
             }
         }

@@ -1,6 +1,7 @@
 //! Form factors: F_ij, the fraction of what patch i sends out that lands on patch j.
 
 mod agreement;
+mod constants;
 mod groups;
 mod more_rays;
 mod options;
@@ -19,8 +20,9 @@ use super::rows::{RowOptions, Rows, Tones};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::trace::Tracer;
+pub use agreement::Disagreement;
 use agreement::disagreements;
-pub use agreement::{DISAGREE, Disagreement};
+pub use constants::DISAGREE;
 pub use groups::{GroupFactor, Unmet};
 pub use options::{Keep, Occlusion, TraceOptions};
 pub use saved::Reuse;

@@ -1,5 +1,6 @@
 //! Options: how form factors are traced, and what is refused before any time is spent on it.
 
+use super::constants::{MOST_EXACT, USUAL_RAYS, USUAL_RAYS_OF_PATCH};
 use crate::patches::Basis;
 use crate::progress::Progress;
 use crate::trace::{Enclosure, Tracer, sampling};
@@ -102,7 +103,9 @@ impl TraceOptions<'_> {
             _ if self.rays.is_some() => "a number of them is asked for",
             _ if self.keep == Keep::Rays => "they are to be kept",
             _ if self.storage == StorageKind::Sparse => "a sparse matrix is asked for",
-            _ if patches > MOST_EXACT => "more than 10000 patches: rays are quicker",
+            _ if patches > MOST_EXACT => {
+                return Err(format!("more than {MOST_EXACT} patches: rays are quicker"));
+            }
             _ if 4 * (patches as u64).pow(2) > self.memory => "a full matrix takes more than --memory allows",
             _ => return Ok(enclosure),
         };
@@ -162,9 +165,7 @@ impl TraceOptions<'_> {
     /// Rays per patch where none are asked for: 512, and fewer from 16384 patches on, but never less than 64,
     /// for a face that is cut into many patches averages their noise.
     pub fn usual_rays(patches: usize) -> u32 {
-        ((1 << 22) / patches.max(1)).clamp(64, 512).next_power_of_two() as u32
+        let [fewest, most] = USUAL_RAYS_OF_PATCH;
+        (USUAL_RAYS / patches.max(1)).clamp(fewest, most).next_power_of_two() as u32
     }
 }
-
-/// With more patches than this rays are quicker than all pairs.
-const MOST_EXACT: usize = 10_000;

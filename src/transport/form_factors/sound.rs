@@ -6,18 +6,10 @@
 
 use nalgebra::DMatrix;
 
+use super::constants::{MOST_RAYS, OPEN, UNEVEN};
 use crate::patches::Patches;
 use crate::transport::exchange::Exchange;
 use crate::transport::rows::{BATCHES, Recipe, Row, Rows};
-
-/// By how much a row may miss its patch's area, relative to that.
-const OPEN: f64 = 1e-9;
-
-/// By how much xᵀSy and yᵀSx may differ, relative to their size: rounding alone.
-const UNEVEN: f64 = 1e-12;
-
-/// More rays than this of a patch are refused.
-const MOST_RAYS: u32 = 1 << 24;
 
 /// Whether patches can have sent so many rays.
 pub fn is_recipe(recipe: &Recipe) -> bool {

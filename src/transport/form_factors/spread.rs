@@ -15,6 +15,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::FormFactors;
+use super::constants::{HELD, LEAST_TARGET};
 use crate::patches::{Clusters, Patches};
 use crate::transport::TransportError;
 use crate::transport::exchange::{Exchange, FLOODED, Outcome};
@@ -24,9 +25,6 @@ use crate::transport::rows::{BATCHES, Row, Rows};
 const LANES: usize = 4;
 type Lanes = [f64; LANES];
 const ONES: usize = LANES - 1;
-
-/// A row whose slack is more than this part of its area is held at its bound; less is rounding.
-const HELD: f64 = 1e-9;
 
 /// What irradiance each batch of rays would change, had it been the only one.
 #[derive(Clone, Debug)]
@@ -344,7 +342,8 @@ impl<'a> Balance<'a> {
         let target: Vec<f64> = (0..n)
             .map(|i| {
                 let lamps = if is_lamp[i] || known.flooded[i] { 0.0 } else { known.from_lamps[i][ONES] };
-                (patches.normalised_etendues()[i] - lamps).max(0.05 * patches.normalised_etendues()[i])
+                (patches.normalised_etendues()[i] - lamps)
+                    .max(LEAST_TARGET * patches.normalised_etendues()[i])
             })
             .collect();
         let follows: Vec<bool> = patches

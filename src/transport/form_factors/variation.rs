@@ -13,6 +13,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::FormFactors;
+use super::constants::{CUTS, NEAR_LAMP};
 use crate::patches::Patches;
 use crate::scene::Side;
 use crate::scene::triangle;
@@ -23,12 +24,6 @@ use crate::transport::rows::{Row, Rows, origins};
 
 /// Two halves of the rays.
 const HALVES: usize = 2;
-
-/// A patch falls into the square of so many parts.
-const CUTS: usize = 8;
-
-/// Lamps nearer than so many radii light a patch unevenly.
-const NEAR: f64 = 1.5;
 
 impl FormFactors {
     /// How irradiance changes (n × c, W·m⁻²) where the light of lamps varies within patches that are near
@@ -108,7 +103,7 @@ impl<'a> Setting<'a> {
         let turn = if place.side == Side::Back { -1.0 } else { 1.0 };
         let facing = turn * triangle::normal(&corners);
         let centre = corners.iter().sum::<DVec3>() / 3.0;
-        let reach = NEAR * corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
+        let reach = NEAR_LAMP * corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
         let scene = self.patches.scene();
         let lamps = self.rows.lamp_faces.iter().map(|&lamp| lamp as usize);
         let is_near =
