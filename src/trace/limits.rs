@@ -19,8 +19,8 @@ pub(crate) const MOST_CARRIERS_OF_BRANCHES: u32 = 32;
 pub(super) const MOST_CROSSED: u32 = 4096;
 
 /// The most surfaces that a straight line is followed through to find whether it starts inside of something;
-/// a number. Fewer than [`MOST_CROSSED`], as a limit on time: 64 lines from a place are counted, for a warning
-/// alone. In which dielectric a point lies is told by two or three lines, and changes the light.
+/// a number. Fewer than [`MOST_CROSSED`], as a limit on time: 64 lines from a place are counted, and for a
+/// warning alone. In which dielectric a point lies is told by two or three lines, and changes the light.
 pub(crate) const MOST_CROSSINGS: usize = 1000;
 
 /// Rays from suns and skies start so far from what they aim at; normalised lengths. Chosen: points of the

@@ -28,6 +28,18 @@ const MOST_PLACED: usize = 2000;
 /// What is nearer to a surface than so many times its radius can't be told from its centre.
 const NEAR: f64 = 3.0;
 
+/// The part of a lamp's estimate that is added to its exact contribution, as chances go; a pure number.
+/// Chosen, not fitted: it leaves some chance to what other points of the surface may see.
+const LEAST_CHANCE: f64 = 0.05;
+
+/// Cosine by which estimates look below horizons; a pure number. Chosen, not fitted: a surface's parts see a
+/// little below its centre's horizon, and a lamp's parts see a little beside it.
+const MARGIN: f64 = 0.05;
+
+/// The part of a lamp's area that estimates add to the square of its distance; a pure number. Chosen, not
+/// fitted: near the lamp what counts is its size.
+const SIZE: f64 = 0.1;
+
 /// The faces that give most of a scene's light.
 #[derive(Clone, Debug)]
 pub struct Lamps {
@@ -184,8 +196,7 @@ impl Lamps {
             }
             let contribution = lamp.brightness * form_factor(lamp);
             unoccluded += contribution;
-            // Leave some chance to what other points of the surface may see.
-            contribution + 0.05 * estimate
+            contribution + LEAST_CHANCE * estimate
         };
         let chances = Discrete::new(self.faces.iter().map(chance)).normalised();
         LampView { chances, unoccluded: is_exact.then_some(unoccluded) }
@@ -247,14 +258,10 @@ fn area(tracer: &Tracer, face: u32) -> f64 {
 impl LampFace {
     /// What the face may contribute at a point with a normal, roughly, and more rather than less.
     fn estimate(&self, point: DVec3, normal: DVec3) -> f64 {
-        // A surface's parts see a little below its centre's horizon, and a lamp's parts see a little beside
-        // it.
-        const MARGIN: f64 = 0.05;
         let [a, b, c] = self.corners;
         let looks = [a, b, c, (a + b + c) / 3.0].map(|q| {
             let to_lamp = q - point;
-            // Near the lamp what counts is its size.
-            let squared = to_lamp.length_squared() + 0.1 * self.area;
+            let squared = to_lamp.length_squared() + SIZE * self.area;
             let distance = squared.sqrt();
             let here = (normal.dot(to_lamp) / distance + MARGIN).max(0.0);
             let there = (MARGIN - self.normal.dot(to_lamp) / distance).max(0.0);

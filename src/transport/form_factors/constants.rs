@@ -59,9 +59,9 @@ pub(super) const MOST_RAYS: u32 = 1 << 24;
 /// rounding.
 pub(super) const HELD: f64 = 1e-9;
 
-/// The part of a patch's étendue that rays are taken to fill at least; a pure number. Chosen: what lamps leave
-/// where they fill no more than [`FLOODED`](crate::transport::exchange::FLOODED), so that nothing less is
-/// divided by.
+/// The part of a patch's étendue that rays are taken to fill at least; a pure number. Chosen: what lamps
+/// leave where they fill no more than [`FLOODED`](crate::transport::exchange::FLOODED), so that nothing less
+/// is divided by.
 pub(super) const LEAST_TARGET: f64 = 0.05;
 
 // Variation.
