@@ -173,8 +173,8 @@ impl<'t, 's> Walker<'t, 's> {
     }
 
     /// Walks on from a start. Calls `arrives(k, part, weight, emission)` for each part part·weight·emission
-    /// (per channel) of the irradiance there that, reflected there, is bounce k of the light: 0 for what comes
-    /// straight from a light without area. `weight` is scratch: two values a channel.
+    /// (per channel) of the irradiance there that, reflected there, is bounce k of the light: 0 for what
+    /// comes straight from a light without area. `weight` is scratch: two values a channel.
     #[inline]
     pub fn irradiance(
         &self,

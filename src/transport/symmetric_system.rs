@@ -1,5 +1,5 @@
-//! Symmetric systems, solved by conjugate gradients (Hestenes & Stiefel 1952), several right-hand sides in the
-//! same passes.
+//! Symmetric systems, solved by conjugate gradients (Hestenes & Stiefel 1952), several right-hand sides in
+//! the same passes.
 
 use std::borrow::Cow;
 

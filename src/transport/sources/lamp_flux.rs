@@ -16,7 +16,7 @@ use crate::patches::Patches;
 use crate::trace::sampling::{Discrete, SEQUENCE_END, Stream, uniform_triangle};
 use crate::trace::{Destination, Tint, Tracer};
 
-/// Where the light of lamps goes: flux per channel, in W·m⁻² times a unit of area.
+/// Where the light of lamps goes: flux per channel, in W by `unit`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LampFlux {
     /// What reaches patches straight, by pairs of points.

@@ -37,7 +37,8 @@ const CHUNK: usize = 4096;
 /// bits differ.
 const TASK: u32 = 1024;
 
-/// How to look for lights without area.
+/// How the light that starts is looked for: that of lights without area, and of lamps where they are not
+/// left to form factors.
 #[derive(Clone, Copy, Debug)]
 pub struct LightOptions<'a> {
     /// Rays per patch into the sky, 1 to 65536; a quarter as many go to each light. Time grows in proportion.
