@@ -103,7 +103,7 @@
 //!
 //! Data flows one way, and a module imports only from those to its left:
 //! [`parallel`] → [`progress`] → [`scene`] → [`trace`] → [`patches`] → [`transport`] → [`solve`] →
-//! [`reference`] → [`measure`] → [`render`] → [`output`].
+//! [`reference`](mod@reference) → [`measure`] → [`render`] → [`output`].
 
 pub mod measure;
 pub mod output;

@@ -55,3 +55,13 @@ pub enum MeasureError {
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
+
+impl MeasureError {
+    /// Whether a coarser cut would do: there are too many patches, or their matrix takes too much memory.
+    pub(crate) fn is_too_large(&self) -> bool {
+        matches!(
+            self,
+            Self::Patches(PatchError::TooMany { .. }) | Self::Transport(TransportError::Memory { .. })
+        )
+    }
+}

@@ -8,11 +8,11 @@ use nalgebra::DMatrix;
 
 use super::constants::{FEWEST_RAYS, TYPICAL_AREA};
 use crate::measure::MeasureError;
-use crate::patches::{PatchError, PatchSize, Patches, Tessellation};
+use crate::patches::{PatchSize, Patches, Tessellation};
 use crate::progress::Progress;
 use crate::solve::{CgOptions, Problem};
 use crate::trace::Tracer;
-use crate::transport::{FormFactors, LightOptions, Shots, TraceOptions, TransportError};
+use crate::transport::{FormFactors, LightOptions, Shots, TraceOptions};
 
 /// The scene solved on a coarser and a finer cut.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +58,7 @@ impl MeshError {
         // Four patches in the place of one share its rays.
         let finer = match on_cut(0.5, (rays / 2).max(FEWEST_RAYS), 1 << 62) {
             Ok(finer) => Some(finer - own),
-            Err(error) if is_too_large(&error) => None,
+            Err(error) if error.is_too_large() => None,
             Err(error) => return Err(error),
         };
         Ok(Self { finer, coarser })
@@ -93,12 +93,4 @@ fn typical_edge(patches: &Patches) -> f64 {
         sum >= quarter
     });
     (2.0 * middle.unwrap_or(&0.0)).sqrt().min(patches.edge())
-}
-
-fn is_too_large(error: &MeasureError) -> bool {
-    matches!(
-        error,
-        MeasureError::Patches(PatchError::TooMany { .. })
-            | MeasureError::Transport(TransportError::Memory { .. })
-    )
 }

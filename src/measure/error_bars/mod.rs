@@ -9,23 +9,25 @@
 //! mesh, nor noise, but truncation, a part of its own.
 
 mod constants;
+mod faces;
+mod fields;
 mod mesh;
 mod noise;
+mod sizes;
 mod slack;
 
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::MeasureError;
 use crate::patches::{FaceRow, Patches};
 use crate::progress::Progress;
 use crate::solve::{Certainty, Problem, Solution};
-use constants::{COMMON, LEAST_OF_CHANGE, NOISE_IN_CHANGE, ROUNDING, STUDENT};
+use faces::Faces;
+use fields::Fields;
 pub(super) use mesh::Insight;
-use mesh::MeshError;
-use noise::Noise;
 pub(super) use noise::at_most as noise_at_most;
+use sizes::Sizes;
 pub(super) use slack::at_most as slack_at_most;
 
 /// One standard error of irradiance by patch and by face, and the budget of what it is made from.
@@ -107,179 +109,22 @@ impl ErrorBars {
         progress: Progress,
     ) -> Result<Self, MeasureError> {
         progress.at("solve", 0.0)?;
-        let (factors, sources, basis) = (problem.factors(), problem.sources(), problem.basis());
-        let [radiance, irradiance] =
-            [&solution.radiance, &solution.irradiance].map(|field| basis.means(field));
-        let of_linear = factors.by_patch();
-        let by_patch = of_linear.as_ref().unwrap_or(factors);
-        let report = &solution.report;
-        let order = report.truncated.then_some(report.iterations);
-        // Nothing that surfaces send out has arrived at order 0.
-        let arriving = if order == Some(0) { 0.0 * &radiance } else { radiance.clone() };
-        let noise = Noise::of(patches, factors, by_patch, sources, &arriving)?;
-        progress.at("solve", 0.5)?;
-        let known = mesh::Known { radiance: &radiance, irradiance: &irradiance, order };
-        let MeshError { by_merging: change_by_patch, by_variation: varied_by_patch, insight } =
-            mesh::mesh_error(patches, [factors, by_patch], sources, &known)?;
-        let missing_by_patch = slack::missing(patches, by_patch, [&radiance, &irradiance])?;
+        let (by_patch, insight) = Fields::of(patches, problem, solution, progress)?;
+        let irradiance = problem.basis().means(&solution.irradiance);
         let faces = Faces::new(patches, &irradiance);
-        let [rays, lamps] = [&noise.rays, &noise.lamps].map(|batches| faces.batches(batches));
-        let change = faces.of(&change_by_patch);
-        let varied = varied_by_patch.each_ref().map(|half| faces.of(half));
-        let part = |name, value, kind| ErrorPart { name, value, kind };
-        let noisy = |batches: &[DMatrix<f64>]| faces.relative(|f, c| noise::variance(batches, (f, c)));
-        let (by_rays, by_lamps) = (noisy(&rays), noisy(&lamps));
-        let by_noise = by_rays.hypot(by_lamps);
-        // Some of the noise is in the change that merging makes.
-        let change_by_merging = faces.relative(|f, c| change[(f, c)].powi(2));
-        let less = change_by_merging.powi(2) - (NOISE_IN_CHANGE * by_noise).powi(2);
-        let by_merging = less.max(LEAST_OF_CHANGE * change_by_merging.powi(2)).sqrt();
-        let by_mesh = by_merging.hypot(faces.relative(|f, c| squared(&varied, (f, c))));
-        let left_out = left_out(patches, &report.missing);
-        let by_solver = faces.relative(|_, c| left_out[c].powi(2));
-        let by_truncation = if report.truncated { by_solver } else { 0.0 };
-        let missing = missing_by_patch.as_ref().map(|missing| faces.of(missing));
-        let missed =
-            |missing: &Option<DMatrix<f64>>, at: (usize, usize)| missing.as_ref().map_or(0.0, |m| m[at]);
-        let by_slack = faces.relative(|f, c| missed(&missing, (f, c)).powi(2));
-        let mut parts = vec![
-            part(ErrorPart::MESH, by_mesh, Certainty::Estimated),
-            part(ErrorPart::RAYS, by_rays, Certainty::Estimated),
-            part(ErrorPart::LAMPS, by_lamps, Certainty::Estimated),
-            part(ErrorPart::TRUNCATION, by_truncation, report.certainty),
-            part(ErrorPart::SOLVER, if report.truncated { 0.0 } else { by_solver }, report.certainty),
-            part(ErrorPart::STORAGE, ROUNDING * report.condition, report.certainty),
-        ];
-        if missing.is_some() {
-            parts.push(part(ErrorPart::SLACK, by_slack, Certainty::Estimated));
-        }
-        // The two are independent, however alike they are in one batch or another.
-        let squares: Vec<f64> =
-            faces.squares(&rays).iter().zip(faces.squares(&lamps)).map(|(a, b)| a + b).collect();
-        let scatter = scatter(&squares);
-        let relative_rms = by_mesh.hypot(by_noise).hypot(by_slack) + by_truncation;
-        let noise_at_most = scatter * noise_at_most(factors.rays(), basis);
-        let sure = by_solver + ROUNDING * report.condition;
-        let upper95 = (insight.at_most() * by_mesh).hypot(noise_at_most * by_noise)
-            + slack_at_most(by_slack)
-            + if sure.is_finite() || report.truncated { sure } else { 0.0 };
-        // A patch or face has its own noise, what of the mesh error is seen on it, some of what all have,
-        // what it may miss, and what is left out.
-        let bar = |h: f64, variance: f64, by_mesh_here: f64, c: usize| {
-            let left_out = if report.truncated { left_out[c] } else { 0.0 };
-            (variance + by_mesh_here + (COMMON * by_mesh * h).powi(2) + left_out.powi(2)).sqrt()
+        let by_face = by_patch.over(&faces);
+        let sizes = Sizes::of(&faces, &by_face, patches, &solution.report);
+        let budget = sizes.budget(problem, &solution.report, insight);
+        let bars = |(f, row): (usize, &FaceRow)| FaceRow {
+            mean: (0..row.mean.len()).map(|c| sizes.bar(row.mean[c], &by_face, (f, c))).collect(),
+            ..row.clone()
         };
-        let by_face = faces.irradiance.iter().enumerate().map(|(f, row)| {
-            let variance = |c: usize| {
-                let missed = missed(&missing, (f, c)).powi(2);
-                noise::variance(&rays, (f, c)) + noise::variance(&lamps, (f, c)) + missed
-            };
-            let bar_of = |c: usize| bar(row.mean[c], variance(c), mesh_part(&change, &varied, (f, c)), c);
-            FaceRow { mean: (0..row.mean.len()).map(bar_of).collect(), ..row.clone() }
-        });
-        let by_patch = DMatrix::from_fn(irradiance.nrows(), irradiance.ncols(), |i, c| {
-            let variance = noise::variance(&noise.rays, (i, c)) + noise::variance(&noise.lamps, (i, c));
-            let variance = variance + missed(&missing_by_patch, (i, c)).powi(2);
-            bar(irradiance[(i, c)], variance, mesh_part(&change_by_patch, &varied_by_patch, (i, c)), c)
-        });
-        let budget =
-            ErrorBudget { relative_rms, upper95, irradiance: faces.typical(), parts, insight, scatter };
+        let (n, channels) = irradiance.shape();
         progress.at("solve", 1.0)?;
-        Ok(Self { patches: by_patch, faces: by_face.collect(), budget })
-    }
-}
-
-/// The square of a change, told from two that share no noise.
-fn squared([a, b]: &[DMatrix<f64>; 2], at: (usize, usize)) -> f64 {
-    a[at] * b[at]
-}
-
-/// The square of what is seen of the mesh error in one place.
-fn mesh_part(merging: &DMatrix<f64>, variation: &[DMatrix<f64>; 2], at: (usize, usize)) -> f64 {
-    merging[at].powi(2) + squared(variation, at).max(0.0)
-}
-
-/// What a solver may have left out, per channel, as root mean square over area of what it may have over
-/// étendue.
-fn left_out(patches: &Patches, missing: &[f64]) -> Vec<f64> {
-    let (areas, etendues) = (patches.normalised_areas(), patches.normalised_etendues());
-    let sum = |values: &[f64]| values.iter().sum::<f64>();
-    let most = areas.iter().zip(etendues).map(|(area, etendue)| area / etendue).fold(0.0, f64::max);
-    let stretch = if areas.is_empty() { 0.0 } else { (most * sum(etendues) / sum(areas)).sqrt() };
-    missing.iter().map(|missing| stretch * missing).collect()
-}
-
-/// How many times more than its mean over batches the noise may be, in nineteen of twenty cases, told from
-/// the squared noise of each.
-fn scatter(squares: &[f64]) -> f64 {
-    let batches = squares.len() as f64;
-    let mean = squares.iter().sum::<f64>() / batches;
-    let spread = (squares.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (batches - 1.0)).sqrt();
-    // What the answer's own noise may be is what one more batch may have, less by their number.
-    let most = mean + STUDENT * spread * (1.0 + 1.0 / batches).sqrt();
-    if mean > 0.0 { (most / mean).sqrt() } else { 1.0 }
-}
-
-/// Irradiance by face, and sums over faces relative to it.
-struct Faces {
-    irradiance: Vec<FaceRow>,
-    /// Per patch, its face and side's row, and what part of that it is.
-    place: Vec<(usize, f64)>,
-}
-
-impl Faces {
-    fn new(patches: &Patches, irradiance: &DMatrix<f64>) -> Self {
-        let irradiance = patches.average_by_face(irradiance);
-        let mut place = vec![(0, 0.0); patches.len()];
-        for (f, row) in irradiance.iter().enumerate() {
-            let on_face = patches.patches_of(row.face, row.side);
-            on_face.for_each(|i| place[i] = (f, patches.area(i) / row.area));
-        }
-        Self { irradiance, place }
-    }
-
-    /// Averages a field over faces: a row per face and side.
-    fn of(&self, field: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut means = DMatrix::zeros(self.irradiance.len(), field.ncols());
-        for (mut mean, column) in means.column_iter_mut().zip(field.column_iter()) {
-            column.iter().zip(&self.place).for_each(|(x, &(f, part))| mean[f] += part * x);
-        }
-        means
-    }
-
-    fn batches(&self, batches: &[DMatrix<f64>]) -> Vec<DMatrix<f64>> {
-        batches.par_iter().map(|field| self.of(field)).collect()
-    }
-
-    /// ΣA x over faces and channels.
-    fn sum(&self, x: impl Fn(usize, usize) -> f64) -> f64 {
-        let of_face =
-            |(f, row): (usize, &FaceRow)| row.area * (0..row.mean.len()).map(|c| x(f, c)).sum::<f64>();
-        self.irradiance.iter().enumerate().map(of_face).sum()
-    }
-
-    /// ΣA H².
-    fn whole(&self) -> f64 {
-        self.sum(|f, c| self.irradiance[f].mean[c].powi(2))
-    }
-
-    /// √(ΣA H² / ΣA).
-    fn typical(&self) -> f64 {
-        (self.whole() / self.sum(|_, _| 1.0).max(f64::MIN_POSITIVE)).sqrt()
-    }
-
-    /// √(ΣA x / ΣA H²); where there is no light at all, 1 of what is more than nothing.
-    fn relative(&self, squared: impl Fn(usize, usize) -> f64) -> f64 {
-        match (self.sum(squared), self.whole()) {
-            (0.0, _) => 0.0,
-            (_, 0.0) => 1.0,
-            // What is known but for noise may come out below nothing.
-            (part, whole) => (part.max(0.0) / whole).sqrt(),
-        }
-    }
-
-    /// Per batch ΣA x² / ΣA H².
-    fn squares(&self, batches: &[DMatrix<f64>]) -> Vec<f64> {
-        batches.iter().map(|x| self.relative(|f, c| x[(f, c)].powi(2)).powi(2)).collect()
+        Ok(Self {
+            patches: DMatrix::from_fn(n, channels, |i, c| sizes.bar(irradiance[(i, c)], &by_patch, (i, c))),
+            faces: faces.irradiance.iter().enumerate().map(bars).collect(),
+            budget,
+        })
     }
 }

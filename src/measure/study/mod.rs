@@ -31,7 +31,7 @@ pub use trend::{Slope, Trend};
 
 use super::{MeasureError, Verdict};
 use crate::parallel;
-use crate::patches::{Basis, PatchError, PatchSize, Patches, Tessellation};
+use crate::patches::{Basis, PatchSize, Patches, Tessellation};
 use crate::progress::{Observer, Progress};
 use crate::scene::Scene;
 use crate::trace::Tracer;
@@ -201,7 +201,7 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
                     self.rows.extend(rows);
                     self.verdicts.push((cell, verdict));
                 }
-                Err(error) if is_too_large(&error) => {
+                Err(error) if error.is_too_large() => {
                     self.left_out.push(LeftOut { cell, wants: Want::Memory(error.to_string()) });
                     continue;
                 }
@@ -306,14 +306,6 @@ impl<'t, 's, 'o> Study<'t, 's, 'o> {
 
 fn options_time(options: &StudyOptions) -> f64 {
     options.time.as_secs_f64()
-}
-
-fn is_too_large(error: &MeasureError) -> bool {
-    matches!(
-        error,
-        MeasureError::Patches(PatchError::TooMany { .. })
-            | MeasureError::Transport(TransportError::Memory { .. })
-    )
 }
 
 /// Turns the progress of parts into that of the whole, by the clock.

@@ -31,7 +31,7 @@ impl BouncePictures {
     /// Renders the terms E, KE, … of the series (N × c each, N = n or 3n) and their sums.
     ///
     /// # Errors
-    /// As [`render`].
+    /// As [`picture`].
     ///
     /// # Panics
     /// If a term has neither n nor 3n rows, or not as many as the others.

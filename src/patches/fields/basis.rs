@@ -15,7 +15,7 @@ pub enum Basis {
     #[default]
     Constant,
     /// Linearly, and free to jump from patch to patch: three coefficients, the field's values at the patch's
-    /// corners in the order of [`Patches::corners`](super::Patches::corners).
+    /// corners in the order of [`Patches::corners`](crate::patches::Patches::corners).
     Linear,
 }
 

@@ -4,10 +4,10 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::moments;
-use super::raw::{ESCAPED, Leaving, Outcome, Raw, Selection, has_carriers};
+use super::raw::{Leaving, Outcome, Raw, Selection, has_carriers};
 use super::storage::{Storage, StorageKind};
 use crate::patches::{Basis, Patches};
-use crate::transport::rows::{BATCHES, Rows};
+use crate::transport::rows::{BATCHES, ESCAPED, Rows};
 
 /// Sums up what the rows of all patches found.
 pub fn assemble(selection: &Selection, kind: StorageKind) -> Raw {

@@ -5,10 +5,10 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::blocks::{Blocks, Findings};
-use super::raw::{ESCAPED, Leaving, Outcome, Raw, Selection, has_carriers};
+use super::raw::{Leaving, Outcome, Raw, Selection, has_carriers};
 use super::storage::{Storage, StorageKind};
 use crate::patches::Patches;
-use crate::transport::rows::{BATCHES, Landing, Row, Rows, origins};
+use crate::transport::rows::{BATCHES, ESCAPED, Landing, Row, Rows, origins};
 
 /// Sums up what the rows of all patches found.
 pub fn assemble(selection: &Selection, kind: StorageKind, is_lamp: &[bool]) -> Raw {

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::storage::Storage;
 use crate::patches::Patches;
-use crate::transport::rows::{End, Rows};
+use crate::transport::rows::{ABSORBED, ESCAPED, End, LOST, Rows};
 
 /// The rays of rows that count.
 #[derive(Clone, Copy)]
@@ -47,11 +47,6 @@ impl Leaving {
         Self { all, in_carriers }
     }
 }
-
-/// Places in what leaves a patch.
-pub const ESCAPED: usize = 0;
-const ABSORBED: usize = 1;
-const LOST: usize = 2;
 
 /// What becomes of a ray from a patch, once slots have become patches.
 pub enum Outcome {

@@ -168,7 +168,7 @@ impl FormFactors {
     }
 
     /// The pairs of face sides whose two directions found different exchange areas, by more than
-    /// [`DISAGREE`](super::DISAGREE) standard errors, the worst first: something is wrong with the mesh
+    /// [`DISAGREE`] standard errors, the worst first: something is wrong with the mesh
     /// there. None where rays were not traced.
     pub fn disagreements(&self) -> &[Disagreement] {
         &self.disagreements

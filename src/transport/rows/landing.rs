@@ -9,6 +9,12 @@ use crate::patches::Barycentrics;
 use crate::trace::sampling::Sequence;
 use crate::trace::{Destination, Hit, Ray, Tint};
 
+/// What becomes of light that ends elsewhere than on patches, as places in arrays: it escapes, carriers
+/// absorb it, or it is given up after too many of them.
+pub const ESCAPED: usize = 0;
+pub const ABSORBED: usize = 1;
+pub const LOST: usize = 2;
+
 /// Where a ray ended, in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]

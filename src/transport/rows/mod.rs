@@ -13,7 +13,7 @@ mod tones;
 
 pub(super) use caustics::{Caustic, Caustics};
 pub(super) use lamp_columns::{LampShare, Look};
-pub(super) use landing::{End, Landing, Spot};
+pub(super) use landing::{ABSORBED, ESCAPED, End, LOST, Landing, Spot};
 pub(super) use rays::{Row, Rows, origins};
 pub(crate) use recipe::BATCHES;
 pub use recipe::Shots;

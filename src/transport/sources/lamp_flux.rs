@@ -15,6 +15,7 @@ use super::{PARTS, TASK};
 use crate::patches::Patches;
 use crate::trace::sampling::{Discrete, SEQUENCE_END, Stream, uniform_triangle};
 use crate::trace::{Destination, Tint, Tracer};
+use crate::transport::rows::{ABSORBED, ESCAPED, LOST};
 
 /// Where the light of lamps goes: flux per channel, in W by `unit`.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,11 +79,6 @@ fn standard_error(parts: &[f64; PARTS]) -> f64 {
     let mean = parts.iter().sum::<f64>() / count;
     (parts.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count * (count - 1.0))).sqrt()
 }
-
-/// Places of what does not arrive.
-const ESCAPED: usize = 0;
-const ABSORBED: usize = 1;
-const LOST: usize = 2;
 
 /// What does not arrive, per channel.
 type Missing = Vec<[f64; 3]>;

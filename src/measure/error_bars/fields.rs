@@ -1,0 +1,87 @@
+//! Fields: what each source of error does to irradiance, patch by patch or face by face.
+
+use nalgebra::DMatrix;
+
+use super::faces::Faces;
+use super::mesh::{Insight, Known, MeshError, mesh_error};
+use super::noise::{self, Noise};
+use super::slack;
+use crate::measure::MeasureError;
+use crate::patches::Patches;
+use crate::progress::Progress;
+use crate::solve::{Problem, Solution};
+
+/// What each source of error does to irradiance, W·m⁻²: a row per patch, or per face and side, and a column
+/// per channel.
+pub(super) struct Fields {
+    /// The noise of form factors, by batches of rays.
+    pub rays: Vec<DMatrix<f64>>,
+    /// That of light sampling.
+    pub lamps: Vec<DMatrix<f64>>,
+    /// What merging patches changes.
+    pub merging: DMatrix<f64>,
+    /// What light that varies within patches near lamps changes, as either half of the rays has it.
+    pub variation: [DMatrix<f64>; 2],
+    /// What rows of form factors lack that could not be closed; none where all close.
+    pub missing: Option<DMatrix<f64>>,
+}
+
+impl Fields {
+    /// Those of a solution by patches, and how much is told of the mesh error.
+    pub fn of(
+        patches: &Patches,
+        problem: &Problem,
+        solution: &Solution,
+        progress: Progress,
+    ) -> Result<(Self, Insight), MeasureError> {
+        let (factors, sources, basis) = (problem.factors(), problem.sources(), problem.basis());
+        let [radiance, irradiance] =
+            [&solution.radiance, &solution.irradiance].map(|field| basis.means(field));
+        let of_linear = factors.by_patch();
+        let by_patch = of_linear.as_ref().unwrap_or(factors);
+        let report = &solution.report;
+        let order = report.truncated.then_some(report.iterations);
+        // Nothing that surfaces send out has arrived at order 0.
+        let arriving = if order == Some(0) { 0.0 * &radiance } else { radiance.clone() };
+        let Noise { rays, lamps } = Noise::of(patches, factors, by_patch, sources, &arriving)?;
+        progress.at("solve", 0.5)?;
+        let known = Known { radiance: &radiance, irradiance: &irradiance, order };
+        let MeshError { by_merging: merging, by_variation: variation, insight } =
+            mesh_error(patches, [factors, by_patch], sources, &known)?;
+        let missing = slack::missing(patches, by_patch, [&radiance, &irradiance])?;
+        Ok((Self { rays, lamps, merging, variation, missing }, insight))
+    }
+
+    /// The same by faces.
+    pub fn over(&self, faces: &Faces) -> Self {
+        Self {
+            rays: faces.means_of_all(&self.rays),
+            lamps: faces.means_of_all(&self.lamps),
+            merging: faces.means(&self.merging),
+            variation: self.variation.each_ref().map(|half| faces.means(half)),
+            missing: self.missing.as_ref().map(|missing| faces.means(missing)),
+        }
+    }
+
+    /// The variance of one value, by noise.
+    pub fn variance(&self, at: (usize, usize)) -> f64 {
+        noise::variance(&self.rays, at) + noise::variance(&self.lamps, at)
+    }
+
+    /// The square of what variation changes in one value, told from two halves that share no noise; it may
+    /// come out below nothing.
+    pub fn varied_squared(&self, at: (usize, usize)) -> f64 {
+        let [a, b] = &self.variation;
+        a[at] * b[at]
+    }
+
+    /// The square of what is seen of the mesh error in one value.
+    pub fn mesh_squared(&self, at: (usize, usize)) -> f64 {
+        self.merging[at].powi(2) + self.varied_squared(at).max(0.0)
+    }
+
+    /// The square of what one value may miss.
+    pub fn missing_squared(&self, at: (usize, usize)) -> f64 {
+        self.missing.as_ref().map_or(0.0, |missing| missing[at]).powi(2)
+    }
+}
