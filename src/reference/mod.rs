@@ -30,12 +30,12 @@ pub use table::{ReferenceError, ReferenceRow};
 use crate::patches::{MOST_SLOTS, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::Side;
-use crate::trace::sampling::{Sequence, Stream};
+use crate::trace::sampling::{Sampler, Sequence, Stream};
 use crate::trace::{Hit, Ray, RayHit, Tracer};
 use estimate::Half;
 use photons::{Throw, Thrower};
 use rounds::{Round, first_round, next_round};
-use walk::{Beyond, Met, Numbers, Start, Walker};
+use walk::{Beyond, Met, Start, Walker};
 
 /// Why no light paths were traced, or not to their end.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -128,7 +128,7 @@ impl<'t, 's> PathTracer<'t, 's> {
         assert_eq!(radiance.len(), walker.channels, "a value per channel");
         let first = walker.tracer.closest_hit(ray)?;
         let met = RayHit { ray: *ray, hit: first };
-        let mut numbers = Numbers { sequence, point: k, set: 1 };
+        let mut numbers = Sampler { sequence, point: k, set: 1 };
         let mut colour = vec![1.0; walker.channels];
         let mut weight = vec![0.0; 2 * walker.channels];
         let met = if walker.tracer.may_go_on(first.face) {
@@ -281,7 +281,7 @@ impl<'t, 's> PathTracer<'t, 's> {
             let sequence = Stream::Paths.sequence(options.seed, offset, u64::from(batch));
             found.fill(0.0);
             for point in 0..size {
-                let mut numbers = Numbers { sequence, point, set: 0 };
+                let mut numbers = Sampler { sequence, point, set: 0 };
                 let [s, t, x, y] = numbers.next();
                 let start = Start { place: facet.interaction([s, t]), first: [x, y], longest };
                 self.walker.irradiance(start, &mut numbers, &mut weight, |bounce, part, weight, emission| {

@@ -14,11 +14,11 @@ use rayon::prelude::*;
 
 use super::PathOptions;
 use super::near::near_faces;
-use super::walk::{Beyond, CERTAIN, Met, Numbers, Walker, largest};
+use super::walk::{Beyond, CERTAIN, Met, Walker, largest};
 use crate::patches::Patches;
 use crate::progress::Cancelled;
 use crate::scene::Light;
-use crate::trace::sampling::{Stream, frame_around, uniform_disc};
+use crate::trace::sampling::{Sampler, Stream, frame_around, uniform_disc};
 use crate::trace::{Frame, OUTSIDE, Ray, RayHit, Tracer};
 
 /// Photons of each light in a batch.
@@ -148,7 +148,7 @@ impl Thrower {
             let source = &self.lights[light as usize].0;
             let sequence = stream.sequence(options.seed, light, u64::from(batch));
             for point in 0..BATCH {
-                let mut numbers = Numbers { sequence, point, set: 0 };
+                let mut numbers = Sampler { sequence, point, set: 0 };
                 let (ray, worth) = start(source, aim, walker.tracer.frame(), numbers.next());
                 let (weight, scratch) = weight.split_at_mut(channels);
                 let worth = worth / f64::from(BATCH);
@@ -246,7 +246,7 @@ impl Photon<'_> {
     fn follow(
         self,
         walker: &Walker,
-        numbers: &mut Numbers,
+        numbers: &mut Sampler,
         [weight, scratch]: [&mut [f64]; 2],
         mut arrives: impl FnMut(usize, &Met, &[f64]),
     ) {

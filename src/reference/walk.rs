@@ -18,7 +18,7 @@ use glam::DVec3;
 use super::beams::Beams;
 use super::lights::Lights;
 use crate::scene::{FaceTexture, Side};
-use crate::trace::sampling::{Sequence, power_heuristic};
+use crate::trace::sampling::{Sampler, power_heuristic};
 use crate::trace::{
     Destination, Glossy, Hit, IN_PLANE, Interaction, MOST_CARRIERS_OF_PATHS, Ray, RayHit, SpecularPath, Tint,
     Tracer,
@@ -52,21 +52,6 @@ pub(super) enum Beyond {
     },
     /// In a carrier, or nowhere.
     Nowhere,
-}
-
-/// The random numbers of a path: a point of a sequence, four dimensions at a time.
-pub(super) struct Numbers {
-    pub sequence: Sequence,
-    pub point: u32,
-    pub set: u32,
-}
-
-impl Numbers {
-    #[inline]
-    pub fn next(&mut self) -> [f64; 4] {
-        self.set += 1;
-        self.sequence.dimensions(self.point, self.set - 1)
-    }
 }
 
 /// Where a walk starts.
@@ -179,7 +164,7 @@ impl<'t, 's> Walker<'t, 's> {
     pub fn irradiance(
         &self,
         Start { mut place, first, longest }: Start<'t>,
-        numbers: &mut Numbers,
+        numbers: &mut Sampler,
         weight: &mut [f64],
         mut arrives: impl FnMut(usize, f64, &[f64], &[f64]),
     ) {
@@ -264,7 +249,7 @@ impl<'t, 's> Walker<'t, 's> {
     pub fn beyond_carriers(
         &self,
         met: RayHit,
-        numbers: &mut Numbers,
+        numbers: &mut Sampler,
         [weight, scratch]: [&mut [f64]; 2],
         lamp_seen: impl FnMut(f64, &[f64], &[f64]),
     ) -> Beyond {
@@ -358,7 +343,7 @@ impl<'t, 's> Walker<'t, 's> {
 /// far on its way whether what is left is worth another step.
 struct SpecularWalk<'a, 't, 's, F> {
     walker: &'a Walker<'t, 's>,
-    numbers: &'a mut Numbers,
+    numbers: &'a mut Sampler,
     weight: &'a mut [f64],
     scratch: &'a mut [f64],
     lamp_seen: F,

@@ -49,6 +49,22 @@ impl Sequence {
     }
 }
 
+/// Random numbers for a path: a point of a sequence, four dimensions at a time from set `set` on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sampler {
+    pub sequence: Sequence,
+    pub point: u32,
+    pub set: u32,
+}
+
+impl Sampler {
+    #[inline]
+    pub fn next(&mut self) -> [f64; 4] {
+        self.set += 1;
+        self.sequence.dimensions(self.point, self.set - 1)
+    }
+}
+
 fn split_mix(state: u64) -> u64 {
     let z = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

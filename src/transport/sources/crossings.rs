@@ -4,16 +4,14 @@
 //! shoot rays as at patches, and every point has the mean over its cell of the grid: the flux that crosses it
 //! from the front, by the cell's area.
 
-use std::cell::Cell;
-
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::{LightOptions, TASK};
 use crate::progress::Cancelled;
 use crate::scene::Receiver;
-use crate::trace::sampling::{SEQUENCE_END, Sequence, Stream};
-use crate::trace::{Destination, Lights, Ray, Targets, Tint, Tracer};
+use crate::trace::sampling::{SEQUENCE_END, Sampler, Sequence, Stream};
+use crate::trace::{Destination, Hit, Lights, Ray, SpecularPath, Targets, Tint, Tracer};
 use crate::transport::rows::Shots;
 
 /// Fewest and most sequences of shots from all lights.
@@ -83,43 +81,27 @@ pub fn add_crossings(
     let sequences = wanted.clamp(fewest, most).div_ceil(lights.len().max(1)) as u64;
     let worth = 1.0 / (grid.cell() * (sequences * u64::from(SEQUENCE_END)) as f64);
     let shoot = |light: usize, sequence: Sequence, task: u32| {
-        let mut found: Vec<(usize, Vec<f64>)> = Vec::new();
-        let left: Vec<Cell<f64>> = vec![Cell::new(1.0); channels];
+        let mut found = Vec::new();
+        let mut left = vec![1.0; channels];
         for point in task * TASK..(task + 1) * TASK {
             let Some(shot) = targets.shot(tracer, lights, light, sequence.point(point)) else { continue };
-            left.iter().for_each(|left| left.set(1.0));
+            left.fill(1.0);
+            let numbers = Sampler { sequence, point, set: 1 };
+            let worth = worth * shot.worth;
             let power = lights.power(light);
-            let mut cross = |ray: &Ray, distance: f64, left: &[f64]| {
-                if let Some(cell) = grid.crossed(ray, distance) {
-                    let flux = power.iter().zip(left).map(|(power, left)| worth * shot.worth * power * left);
-                    found.push((cell, flux.collect()));
-                }
+            let mut flight = Flight {
+                tracer,
+                grid: &grid,
+                power,
+                worth,
+                numbers,
+                left: &mut left,
+                is_straight: true,
+                leg: None,
+                found: &mut found,
             };
-            // A leg of the way ends where the next carrier is met.
-            let mut leg: Option<(Ray, Vec<f64>)> = None;
-            let mut is_straight = true;
-            let dims = |tint: Tint, _: f64| {
-                left.iter().zip(tint.parts()).for_each(|(left, part)| left.set(left.get() * part));
-                left.iter().any(|left| left.get() > 0.0)
-            };
-            let numbers = |k: u32| sequence.dimensions(point, k + 1);
-            let end = tracer.follow(shot.met, numbers, dims, |before, hit, after| {
-                if let Some((ray, left)) = &leg {
-                    cross(ray, hit.distance, left);
-                }
-                is_straight &= tracer.goes_straight(before, hit, after);
-                leg = (!is_straight).then(|| (*after, left.iter().map(Cell::get).collect()));
-            });
-            if let Some((ray, left)) = &leg {
-                let distance = match end {
-                    Destination::Diffuse { hit, .. } => hit.distance,
-                    Destination::Away(_) => f64::INFINITY,
-                    Destination::Absorbed | Destination::Lost => {
-                        tracer.closest_hit(ray).map_or(f64::INFINITY, |hit| hit.distance)
-                    }
-                };
-                cross(ray, distance, left);
-            }
+            let end = tracer.follow_path(shot.met, &mut flight);
+            flight.end(end);
         }
         found
     };
@@ -137,4 +119,68 @@ pub fn add_crossings(
         }
     }
     Ok(())
+}
+
+/// A shot on its way over carriers.
+struct Flight<'a> {
+    tracer: &'a Tracer<'a>,
+    grid: &'a Grid,
+    /// Per channel, W.
+    power: &'a [f64],
+    /// Irradiance of a cell that it crosses, per unit of power.
+    worth: f64,
+    numbers: Sampler,
+    /// What carriers leave of it, per channel.
+    left: &'a mut [f64],
+    is_straight: bool,
+    /// The ray that it is on, once a carrier has turned it.
+    leg: Option<Ray>,
+    /// Cells that were crossed, and their irradiance per channel.
+    found: &'a mut Vec<(usize, Vec<f64>)>,
+}
+
+impl Flight<'_> {
+    fn cross(&mut self, ray: &Ray, distance: f64) {
+        if let Some(cell) = self.grid.crossed(ray, distance) {
+            let irradiance =
+                self.power.iter().zip(&*self.left).map(|(power, left)| self.worth * power * left);
+            self.found.push((cell, irradiance.collect()));
+        }
+    }
+
+    /// Counts the last leg.
+    fn end(mut self, end: Destination) {
+        let Some(ray) = self.leg.take() else { return };
+        let distance = match end {
+            Destination::Diffuse { hit, .. } => hit.distance,
+            Destination::Away(_) => f64::INFINITY,
+            Destination::Absorbed | Destination::Lost => {
+                self.tracer.closest_hit(&ray).map_or(f64::INFINITY, |hit| hit.distance)
+            }
+        };
+        self.cross(&ray, distance);
+    }
+}
+
+impl SpecularPath for Flight<'_> {
+    fn numbers(&mut self) -> [f64; 4] {
+        self.numbers.next()
+    }
+
+    /// Here the leg ends that led there.
+    fn meets(&mut self, ray: &Ray, hit: &Hit) {
+        if self.leg.take().is_some() {
+            self.cross(ray, hit.distance);
+        }
+    }
+
+    fn survives(&mut self, colour: Tint, _chance: f64) -> bool {
+        self.left.iter_mut().zip(colour.parts()).for_each(|(left, part)| *left *= part);
+        self.left.iter().any(|&left| left > 0.0)
+    }
+
+    fn goes_on(&mut self, before: &Ray, hit: &Hit, after: &Ray) {
+        self.is_straight &= self.tracer.goes_straight(before, hit, after);
+        self.leg = (!self.is_straight).then_some(*after);
+    }
 }
