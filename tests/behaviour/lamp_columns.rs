@@ -25,7 +25,7 @@ fn shaded(blocker: Option<Quad>) -> Scene {
 /// Direct irradiance of the receiver.
 fn irradiance(scene: &Scene, rays: u32, lamp_rays: u32, seed: u64) -> f64 {
     let tracer = Tracer::new(scene);
-    let mut patches = cut(&tracer, PatchSize::Edge(0.5));
+    let mut patches = cut(&tracer, PatchSize::Edge(2.5));
     let options = TraceOptions { rays: Some(rays), lamp_rays: Some(lamp_rays), seed, ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
     let k = Transport::of(&factors, &patches).unwrap();

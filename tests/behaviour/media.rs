@@ -151,7 +151,7 @@ fn a_lamp_in_glass_is_seen_at_its_apparent_depth() {
     let scene = quads(&faces, materials);
     let tracer = Tracer::new(&scene);
     let mut patches = cut(&tracer, PatchSize::Edge(0.3));
-    let options = TraceOptions { rays: Some(1 << 19), keep: Keep::Rays, ..Default::default() };
+    let options = TraceOptions { rays: Some(1 << 18), keep: Keep::Rays, ..Default::default() };
     let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
     let face = |i: usize| patches.place(i).face;
     let side = |i: usize| patches.place(i).side.name() == "front";
