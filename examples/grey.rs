@@ -12,7 +12,7 @@ const ROUNDS: usize = 3;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Scene::load("meshes/two_rooms.obj")?;
     let tracer = Tracer::new(&scene);
-    let size = PatchSize::Count(5200);
+    let size = PatchSize::Count(3600);
     let mut patches = Patches::new(&tracer, &Tessellation { size, ..Default::default() })?;
     let rays = Some(64);
     let factors = FormFactors::trace(&tracer, &mut patches, &TraceOptions { rays, ..Default::default() })?;

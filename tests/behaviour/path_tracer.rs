@@ -85,12 +85,12 @@ fn the_cornell_box_is_as_another_renderer_finds_it() {
 
 #[test]
 fn every_small_face_of_the_cornell_box_is_as_another_renderer_finds_it() {
-    agrees_with_another_renderer("cornell_fine", 0.01, 2800);
+    agrees_with_another_renderer("cornell_fine", 0.0125, 2800);
 }
 
 #[test]
 fn two_rooms_joined_by_a_door_are_as_another_renderer_finds_them() {
-    agrees_with_another_renderer("gallery", 0.01, 800);
+    agrees_with_another_renderer("gallery", 0.0125, 800);
 }
 
 #[test]
