@@ -12,7 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Tracer;
-use super::emitters::solid_angle;
+use super::solid_angle::solid_angle;
 use crate::scene::{FaceState, Side};
 
 /// How far behind a plane a corner may lie for rounding, in normalised lengths.

@@ -7,6 +7,7 @@
 //! Everything here happens in the *normalised frame*: the scene is moved to the origin and scaled to fit
 //! the cube [-1, 1]³, so that neither its size nor its place can matter. [`Frame`] converts.
 
+mod apertures;
 mod bvh;
 mod convex;
 mod emitters;
@@ -17,17 +18,19 @@ mod layers;
 mod limits;
 pub mod sampling;
 mod scattering;
+mod solid_angle;
 mod watertight;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
 use crate::scene::{FaceState, Scene, Side, Surface, triangle};
+use apertures::Apertures;
 use bvh::Bvh;
 pub use convex::{Enclosure, NotConvex};
 pub use emitters::{
-    Beam, LampPoint, LampView, Lamps, Lights, Shot, SkyBeam, SkySampler, SkyShot, Targets, solid_angle,
+    Beam, LampPoint, LampView, Lamps, Lights, Shot, SkyBeam, SkySampler, SkyShot, SkyView, Targets,
 };
 pub use facing::{IN_PLANE, can_face};
 pub(crate) use interaction::Interaction;
@@ -38,6 +41,7 @@ pub(crate) use limits::{MOST_CARRIERS_OF_BRANCHES, MOST_CARRIERS_OF_PATHS, MOST_
 pub(crate) use scattering::SpecularPath;
 pub use scattering::{Coat, Destination, Glossy, Scattered, Tint, fresnel};
 use scattering::{Gloss, Media};
+pub use solid_angle::solid_angle;
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.
 ///
@@ -153,6 +157,8 @@ pub struct Tracer<'s> {
     /// Which of coinciding faces is on top.
     layers: Layers,
     bvh: Bvh,
+    /// Found when the sky is first looked for.
+    apertures: OnceLock<Apertures>,
 }
 
 impl<'s> Tracer<'s> {
@@ -171,14 +177,30 @@ impl<'s> Tracer<'s> {
         let has_panes = kept.iter().any(is_pane);
         let (encounters, finishes) = (encounters_of(scene), finishes_of(scene));
         let media = Media::default();
-        let tracer =
-            Self { scene, frame, corners, normals, encounters, finishes, has_panes, media, layers, bvh };
+        let tracer = Self {
+            scene,
+            frame,
+            corners,
+            normals,
+            encounters,
+            finishes,
+            has_panes,
+            media,
+            layers,
+            bvh,
+            apertures: OnceLock::new(),
+        };
         Self { media: Media::new(&tracer), ..tracer }
     }
 
     /// The scene whose faces these are.
     pub fn scene(&self) -> &'s Scene {
         self.scene
+    }
+
+    /// The openings through which places inside see the sky; first to be asked for by a single thread.
+    pub(crate) fn apertures(&self) -> &Apertures {
+        self.apertures.get_or_init(|| Apertures::find(self))
     }
 
     /// The map to and from metres.

@@ -284,11 +284,12 @@ impl Patches<'_> {
         let facet = self.facet(tracer, slot);
         let sequence = Stream::LightLooks.sequence(seed, slot, 0);
         let [mut arrived, mut scratch] = [0, 1].map(|_| vec![0.0; self.scene.channels()]);
+        let sky = lights.sky_over(tracer, &facet.corners, facet.normal);
         range.any(|k| {
             let [s, t, u, v] = sequence.point(k);
             arrived.fill(0.0);
             let place = facet.interaction([s, t]);
-            lights.add_irradiance(tracer, &place, || [u, v], [&mut arrived, &mut scratch]);
+            lights.add_irradiance(tracer, (&place, sky.as_ref()), || [u, v], [&mut arrived, &mut scratch]);
             arrived.iter().any(|&x| x > 0.0)
         })
     }

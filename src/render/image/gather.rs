@@ -184,7 +184,8 @@ impl<'a, 's> Gather<'a, 's> {
         let Some(lights) = &self.lights else { return DVec3::ZERO };
         let channels = self.tracer.scene().channels();
         let (mut irradiance, mut scratch) = (vec![0.0; channels], vec![0.0; channels]);
-        lights.add_irradiance(self.tracer, place, || random, [&mut irradiance, &mut scratch]);
+        let sky = lights.sky_over(self.tracer, &[place.point], place.normal);
+        lights.add_irradiance(self.tracer, (place, sky.as_ref()), || random, [&mut irradiance, &mut scratch]);
         DVec3::from(to_rgb(&irradiance)) * FRAC_1_PI
     }
 

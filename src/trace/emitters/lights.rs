@@ -5,10 +5,11 @@
 
 use glam::DVec3;
 
-use super::sky::SkySampler;
+use super::sky::{SkySampler, SkyView};
 use crate::scene::Light;
 use crate::scene::triangle;
 use crate::trace::sampling::{frame_around, uniform_disc, uniform_spherical_triangle, uniform_triangle};
+use crate::trace::solid_angle::solid_angle;
 use crate::trace::{IN_PLANE, Interaction, Tracer};
 
 /// A triangle that fills more than this, sr, seen from a light over it by less than this part of the root of
@@ -78,6 +79,10 @@ impl Lights {
         let scene = tracer.scene();
         let lamps: Vec<Source> = scene.lights().map(source).collect();
         let sky = scene.sky().map(SkySampler::new);
+        if sky.is_some() {
+            // Before threads ask for them: what finds them is itself many threads.
+            tracer.apertures();
+        }
         (!lamps.is_empty() || sky.is_some()).then_some(Self { lamps, sky })
     }
 
@@ -200,13 +205,23 @@ impl Lights {
         [s, weight(b - a, point - a).min(1.0 - s)]
     }
 
+    /// The sky as it is looked for from a flat surface with these corners, or this one point, and this normal.
+    pub fn sky_over<'a>(
+        &'a self,
+        tracer: &'a Tracer,
+        corners: &[DVec3],
+        normal: DVec3,
+    ) -> Option<SkyView<'a>> {
+        self.sky.as_ref().map(|sky| sky.view(tracer.apertures(), corners, normal))
+    }
+
     /// Adds to `irradiance` (per channel, W·m⁻²) what reaches a point of a face's side, by one beam from each
-    /// light and one from the sky; unbiased. `random` gives numbers for each; `scratch` has a value a
-    /// channel.
+    /// light and one from the sky, as [`Lights::sky_over`] the place has it; unbiased. `random` gives numbers
+    /// for each; `scratch` has a value a channel.
     pub(crate) fn add_irradiance(
         &self,
         tracer: &Tracer,
-        place: &Interaction,
+        (place, sky): (&Interaction, Option<&SkyView>),
         mut random: impl FnMut() -> [f64; 2],
         [irradiance, scratch]: [&mut [f64]; 2],
     ) {
@@ -229,8 +244,9 @@ impl Lights {
                     .for_each(|(sum, (power, part))| *sum += weight * power * part);
             }
         }
-        if let Some(sky) = &self.sky {
-            let beam = sky.sample(normal, random());
+        if let Some(view) = sky {
+            let sky = view.sky;
+            let beam = view.sample(place.point, random());
             scratch.fill(1.0);
             if beam.weight > 0.0 && tracer.passes(&place.ray(beam.direction), f64::INFINITY, scratch) {
                 let weight = beam.weight * place.weight(normal.dot(beam.direction));
@@ -240,15 +256,6 @@ impl Lights {
             }
         }
     }
-}
-
-/// Solid angle that a triangle fills, seen from a point (Van Oosterom & Strackee 1983), sr.
-pub fn solid_angle(point: DVec3, corners: &[DVec3; 3]) -> f64 {
-    let [a, b, c] = corners.map(|corner| corner - point);
-    let [la, lb, lc] = [a.length(), b.length(), c.length()];
-    let numerator = a.dot(b.cross(c)).abs();
-    let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-    2.0 * numerator.atan2(denominator)
 }
 
 #[cfg(test)]
@@ -331,13 +338,5 @@ mod tests {
         let alpha = 0.5 * diameter.to_radians();
         let exact = (alpha - alpha.sin() * alpha.cos()) / (PI * alpha.sin().powi(2));
         assert!((found / exact - 1.0).abs() < 1e-3, "{found} {exact}");
-    }
-
-    #[test]
-    fn an_octant_fills_an_eighth_of_the_sphere() {
-        assert!((solid_angle(DVec3::ZERO, &[DVec3::X, DVec3::Y, DVec3::Z]) - 0.5 * PI).abs() < 1e-15);
-        let wide =
-            [DVec3::new(100.0, -1e-3, 0.0), DVec3::new(-50.0, -1e-3, 87.0), DVec3::new(-50.0, -1e-3, -87.0)];
-        assert!((solid_angle(DVec3::ZERO, &wide) / (2.0 * PI) - 1.0).abs() < 1e-4);
     }
 }

@@ -8,6 +8,6 @@ mod shots;
 mod sky;
 
 pub use lamps::{LampPoint, LampView, Lamps};
-pub use lights::{Beam, Lights, solid_angle};
+pub use lights::{Beam, Lights};
 pub use shots::{Shot, SkyShot, Targets};
-pub use sky::{SkyBeam, SkySampler};
+pub use sky::{SkyBeam, SkySampler, SkyView};

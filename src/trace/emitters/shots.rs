@@ -10,14 +10,12 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::lights::{Lights, Place, solid_angle};
+use super::lights::{Lights, Place};
 use super::sky::{SkyBeam, SkySampler};
 use crate::scene::{FaceState, Light, Side, triangle};
-use crate::trace::sampling::{Discrete, frame_around, uniform_spherical_triangle, uniform_triangle};
+use crate::trace::sampling::{Discrete, frame_around, uniform_triangle};
+use crate::trace::solid_angle::{solid_angle, towards_triangle, triangle_pdf};
 use crate::trace::{Hit, OUTSIDE, Ray, RayHit, Tracer};
-
-/// Faces that fill less than this are drawn from by area, sr.
-const TINY: f64 = 1e-6;
 
 /// What a face in whose direction a light sends nothing counts for all the same, for shares are looked up at
 /// a few points alone.
@@ -96,7 +94,7 @@ impl Targets {
                             choice = 2.0 * choice - 1.0;
                         }
                         let face = self.faces[aim.chances.draw(choice).0];
-                        (towards(position, tracer.corners(face as usize), [u, v]), Some(face))
+                        (towards_triangle(position, tracer.corners(face as usize), [u, v]), Some(face))
                     }
                 };
                 let share = source.share_towards(direction);
@@ -109,7 +107,10 @@ impl Targets {
                     return None;
                 }
                 // Weigh it by all ways of drawing it.
-                let to_face = self.chance(aim, hit.face) * density(position, direction, tracer, &hit);
+                let cosine = tracer.normal(hit.face as usize, hit.side).dot(direction).abs();
+                let corners = tracer.corners(hit.face as usize);
+                let density = triangle_pdf(position, corners, (hit.distance, cosine));
+                let to_face = self.chance(aim, hit.face) * density;
                 let density = match aim.cone {
                     Some((axis, angle)) => {
                         let inside = axis.dot(direction) >= 1.0 - angle / TAU;
@@ -218,25 +219,4 @@ fn within_cone(axis: DVec3, angle: f64, [u, v]: [f64; 2]) -> DVec3 {
     let radius = (1.0 - height * height).max(0.0).sqrt();
     let (sine, cosine) = (v * TAU).sin_cos();
     frame_around(axis) * DVec3::new(radius * cosine, radius * sine, height)
-}
-
-/// A direction from a position to a triangle with [`density`].
-#[inline]
-fn towards(position: DVec3, corners: &[DVec3; 3], square: [f64; 2]) -> DVec3 {
-    if solid_angle(position, corners) < TINY {
-        return (point(corners, square) - position).normalize_or(DVec3::Y);
-    }
-    uniform_spherical_triangle(corners.map(|corner| (corner - position).normalize_or(DVec3::Y)), square)
-}
-
-/// Density of [`towards`], where the triangle is met, per unit of solid angle.
-#[inline]
-fn density(position: DVec3, direction: DVec3, tracer: &Tracer, hit: &Hit) -> f64 {
-    let corners = tracer.corners(hit.face as usize);
-    let angle = solid_angle(position, corners);
-    if angle < TINY {
-        let cosine = tracer.normal(hit.face as usize, hit.side).dot(direction).abs();
-        return hit.distance * hit.distance / (cosine * triangle::area(corners));
-    }
-    1.0 / angle
 }

@@ -7,6 +7,7 @@ use glam::{DMat3, DVec3};
 
 use super::environment::EnvironmentSampler;
 use crate::scene::{Environment, Sky, SkyKind, SkyShares};
+use crate::trace::apertures::{ApertureView, Apertures};
 use crate::trace::sampling::{Discrete, cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
 
 /// Cells of equal solid angle by which brightness is known: rings from zenith to nadir, and parts of each.
@@ -54,7 +55,45 @@ impl SkyBeam {
     }
 }
 
+/// A sky as it is looked for from a flat surface.
+#[derive(Clone, Debug)]
+pub struct SkyView<'a> {
+    /// The sky.
+    pub sky: &'a SkySampler,
+    apertures: ApertureView<'a>,
+    normal: DVec3,
+}
+
+/// The part of directions that is drawn towards apertures, where there are any; a pure number. Chosen, not
+/// fitted: where all comes through these the others are lost, and where nothing does these are.
+const TO_APERTURES: f64 = 0.5;
+
+impl SkyView<'_> {
+    /// A direction in which light from the sky may reach a point of the surface, and what it brings where
+    /// nothing hides it.
+    #[inline]
+    pub fn sample(&self, point: DVec3, [u, v]: [f64; 2]) -> SkyBeam {
+        if self.apertures.is_empty() {
+            return self.sky.sample(self.normal, [u, v]);
+        }
+        let direction = match u < TO_APERTURES {
+            true => self.apertures.sample(point, [u / TO_APERTURES, v]),
+            false => self.sky.draw(self.normal, [(u - TO_APERTURES) / (1.0 - TO_APERTURES), v]),
+        };
+        let pdf = |cosine: f64| {
+            let by_sky = self.sky.pdf_of(cosine, direction);
+            (1.0 - TO_APERTURES) * by_sky + TO_APERTURES * self.apertures.pdf(point, direction)
+        };
+        self.sky.beam(self.normal, direction, pdf)
+    }
+}
+
 impl SkySampler {
+    /// How it is looked for from a flat surface with these corners, or this one point, and this normal.
+    pub fn view<'a>(&'a self, apertures: &'a Apertures, corners: &[DVec3], normal: DVec3) -> SkyView<'a> {
+        SkyView { sky: self, apertures: apertures.view(corners, normal), normal }
+    }
+
     /// Makes a sampler for a sky.
     pub fn new(sky: &Sky) -> Self {
         let shares = sky.shares();
@@ -93,9 +132,15 @@ impl SkySampler {
     /// One half of the directions is drawn by the cosine, the other by the sky's brightness; the density is
     /// the mean of both.
     #[inline]
-    pub fn sample(&self, normal: DVec3, [u, v]: [f64; 2]) -> SkyBeam {
+    pub fn sample(&self, normal: DVec3, square: [f64; 2]) -> SkyBeam {
+        let direction = self.draw(normal, square);
+        self.beam(normal, direction, |cosine| self.pdf_of(cosine, direction))
+    }
+
+    #[inline]
+    fn draw(&self, normal: DVec3, [u, v]: [f64; 2]) -> DVec3 {
         let by_cosine = |square: [f64; 2]| frame_around(normal) * cosine_hemisphere(square);
-        let direction = match &self.brightness {
+        match &self.brightness {
             Brightness::Even => by_cosine([u, v]),
             _ if u < 0.5 => by_cosine([2.0 * u, v]),
             Brightness::Cells(cells) => {
@@ -103,19 +148,29 @@ impl SkySampler {
                 self.frame * in_cell(cell, [fresh, v])
             }
             Brightness::Environment(environment, sampler) => sampler.sample(environment, [2.0 * u - 1.0, v]),
-        };
+        }
+    }
+
+    /// What a direction brings to a surface with this normal, drawn with a density by its cosine.
+    #[inline]
+    fn beam(&self, normal: DVec3, direction: DVec3, pdf: impl Fn(f64) -> f64) -> SkyBeam {
         let cosine = normal.dot(direction);
         if cosine <= 0.0 {
             return SkyBeam { direction, weight: 0.0, tint: None };
         }
         let (share, tint) = self.shares.tinted(direction);
-        SkyBeam { direction, weight: share * cosine / self.pdf(normal, direction), tint }
+        SkyBeam { direction, weight: share * cosine / pdf(cosine), tint }
     }
 
     /// Density of [`SkySampler::sample`], per unit of solid angle.
     #[inline]
     pub fn pdf(&self, normal: DVec3, direction: DVec3) -> f64 {
-        let by_cosine = cosine_hemisphere_pdf(normal.dot(direction));
+        self.pdf_of(normal.dot(direction), direction)
+    }
+
+    #[inline]
+    fn pdf_of(&self, cosine: f64, direction: DVec3) -> f64 {
+        let by_cosine = cosine_hemisphere_pdf(cosine);
         let by_brightness = match &self.brightness {
             Brightness::Even => return by_cosine,
             Brightness::Cells(cells) => {

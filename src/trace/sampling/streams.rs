@@ -92,6 +92,8 @@ streams! {
     NearPhotons = 30,
     /// Directions in which lights and receivers look around: their number; 0 for lights and 1 for receivers.
     Placement = 31,
+    /// Lines by which apertures are judged: the candidate; the side.
+    Apertures = 32,
     /// What callers of this library draw for purposes of their own, tests among them: anything; anything.
     Callers = 29,
 }

@@ -10,7 +10,7 @@
 use glam::DVec3;
 
 use super::coat::Coat;
-use super::fresnel::fresnel;
+use super::fresnel::{Pane, fresnel, pane};
 use super::gloss::Gloss;
 use super::tint::Tint;
 use crate::scene::{Side, Surface};
@@ -149,13 +149,15 @@ impl<'s> Tracer<'s> {
                 (way(reflected, share, None), Some(way(refracted, 1.0 - share, Some(Tint::of(filter)))))
             }
             Surface::Pane { index, filter } => {
-                // R of either surface, and all reflections between them: R + fR(1 − R)/(1 + R) back and f(1 −
-                // R)/(1 + R) through, for what goes in crosses two surfaces on either way and is dimmed by f.
-                let once = fresnel(cosine, *index);
-                let through = (1.0 - once) / (1.0 + once);
-                let back = Tint::towards_white(filter, 0.5 * (1.0 + once));
+                // What goes in crosses two surfaces on either way and is dimmed by the filter. The mean of its
+                // channels tells how much comes back; that of each channel lies on the line to white.
+                let clear = Tint::of(filter).mean();
+                let Pane { through, back } = pane(cosine, *index, clear);
+                let share = 1.0 - through;
+                let white = if clear < 1.0 { (back / share - clear) / (1.0 - clear) } else { 0.0 };
+                let back = Tint::towards_white(filter, white.clamp(0.0, 1.0));
                 let second = way(ray.direction, through, Some(Tint::of(filter)));
-                (way(reflected, 1.0 - through, Some(back)), Some(second))
+                (way(reflected, share, Some(back)), Some(second))
             }
             Surface::Diffuse | Surface::Conductor { .. } | Surface::Plastic { .. } => {
                 panic!("face {face} is neither mirror nor glass")

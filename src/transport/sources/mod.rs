@@ -291,7 +291,7 @@ impl LooksForLight for Look<'_> {
             };
             add(&seen, scale, self.lights.power(light));
         }
-        if let Some(sky) = self.lights.sky() {
+        if let Some(view) = self.lights.sky_over(self.tracer, &facet.corners, facet.normal) {
             let (sequence, points) = Stream::Sky.stretch(self.seed, slot, 0, self.rays);
             let even = Parts::<N> { whole: [1.0; PARTS], ..Default::default() };
             let mut seen = vec![even; self.channels];
@@ -299,8 +299,8 @@ impl LooksForLight for Look<'_> {
             for k in points {
                 let [s, t, u, v] = sequence.point(k);
                 let [s, t] = sampling::uniform_triangle([s, t]);
-                let SkyBeam { direction, weight, tint } = sky.sample(facet.normal, [u, v]);
                 let origin = triangle::point(&facet.corners, [s, t]);
+                let SkyBeam { direction, weight, tint } = view.sample(origin, [u, v]);
                 let ray = Ray { origin, direction, from: facet.face };
                 left.fill(1.0);
                 if weight > 0.0 && self.tracer.passes(&ray, f64::INFINITY, &mut left) {
@@ -312,7 +312,7 @@ impl LooksForLight for Look<'_> {
                     }
                 }
             }
-            add(&seen, 1.0 / f64::from(self.rays), sky.zenith());
+            add(&seen, 1.0 / f64::from(self.rays), view.sky.zenith());
         }
     }
 }

@@ -209,11 +209,12 @@ impl Gather<'_, '_> {
         let (sequence, points) = Stream::ReceiverLights.stretch(self.seed, place, 0, self.rays);
         let place =
             Interaction { face: Ray::FREE, side: Side::Front, point, normal: self.normal, coat: None };
+        let sky = lights.sky_over(self.tracer, &[point], self.normal);
         for k in points {
             let [u, v, s, t] = sequence.point(k);
             let mut numbers = [[u, v], [s, t]].into_iter().cycle();
             let mut random = || numbers.next().unwrap_or([u, v]);
-            lights.add_irradiance(self.tracer, &place, &mut random, [direct, &mut scratch]);
+            lights.add_irradiance(self.tracer, (&place, sky.as_ref()), &mut random, [direct, &mut scratch]);
         }
         direct.iter_mut().for_each(|h| *h /= f64::from(self.rays));
     }

@@ -1,0 +1,131 @@
+//! Apertures: openings through which places inside see the sky, such as windows, roof lights and doors.
+//!
+//! Where a building has few and small ones, rays by the cosine seldom find them. So directions are drawn
+//! towards apertures too, by solid angle. They only guide samples: whatever they miss is found by the other
+//! samples, each direction counts by the density of all ways of drawing it, and an aperture that leads
+//! nowhere costs samples and no truth.
+//!
+//! Candidates are panes of thin glass and what the opaque faces of a plane leave open within their convex
+//! hull ([`holes`]). Lines through each tell whether it is an aperture: one end must reach the sky and the
+//! other a surface from which little else of the sky is seen.
+
+mod holes;
+mod planes;
+mod view;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::sampling::{Stream, cosine_hemisphere, frame_around, uniform_triangle};
+use super::{Ray, Tracer};
+use crate::scene::{FaceState, Side, Sky, Surface, triangle};
+pub use view::ApertureView;
+
+/// Lines by which a candidate is judged at first, and in all if some of these pass; numbers. Chosen, not
+/// fitted.
+const LINES: [u32; 2] = [16, 128];
+
+/// The least part of the lines that must pass; a pure number. Chosen, not fitted: what passes less is found
+/// about as well without aiming.
+const LEAST_PASSING: f64 = 0.02;
+
+/// The most triangles of apertures: the widest are kept. Chosen, not fitted.
+const MOST: usize = 256;
+
+/// The most candidates that are judged: those of the largest planes. Chosen, not fitted.
+const MOST_CANDIDATES: usize = 8192;
+
+/// A triangle of an aperture, as it is seen from inside.
+#[derive(Clone, Debug)]
+pub(super) struct Opening {
+    /// Normalised frame.
+    pub corners: [DVec3; 3],
+    /// Unit normal towards the inside.
+    pub normal: DVec3,
+    pub area: f64,
+    /// The part of the lines through it that lead from the inside to the sky.
+    pub passing: f64,
+}
+
+/// The apertures of a scene; none where it has no sky, or lies open.
+#[derive(Clone, Debug, Default)]
+pub struct Apertures {
+    openings: Vec<Opening>,
+}
+
+impl Apertures {
+    /// Finds the apertures of a scene.
+    pub(super) fn find(tracer: &Tracer) -> Self {
+        let Some(sky) = tracer.scene().sky() else { return Self::default() };
+        let mut candidates = panes(tracer);
+        for plane in planes::planes(tracer) {
+            if candidates.len() > MOST_CANDIDATES {
+                break;
+            }
+            candidates.extend(holes::holes(tracer, &plane));
+        }
+        let judged = |(number, corners): (usize, &[DVec3; 3])| {
+            Side::BOTH.map(|side| judge(tracer, sky, (number as u32, side), corners))
+        };
+        let mut openings: Vec<Opening> =
+            candidates.par_iter().enumerate().flat_map_iter(judged).flatten().collect();
+        openings.sort_by(|a, b| (b.passing * b.area).total_cmp(&(a.passing * a.area)));
+        openings.truncate(MOST);
+        Self { openings }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.openings.is_empty()
+    }
+
+    pub(super) fn openings(&self) -> &[Opening] {
+        &self.openings
+    }
+}
+
+/// The faces of thin glass.
+fn panes(tracer: &Tracer) -> Vec<[DVec3; 3]> {
+    let scene = tracer.scene();
+    let is_pane = |&f: &usize| {
+        scene.faces()[f].state == FaceState::Kept
+            && matches!(scene.material_of(f).surface, Surface::Pane { .. })
+    };
+    (0..scene.faces().len()).filter(is_pane).map(|f| *tracer.corners(f)).collect()
+}
+
+/// A candidate as an aperture for what lies on one of its sides, if it is one.
+fn judge(tracer: &Tracer, sky: &Sky, (number, inside): (u32, Side), corners: &[DVec3; 3]) -> Option<Opening> {
+    let front = triangle::normal(corners);
+    let normal = if inside == Side::Front { front } else { -front };
+    let (shares, channels) = (sky.shares(), tracer.scene().channels());
+    let sequence = Stream::Apertures.sequence(0, number, u64::from(inside == Side::Back));
+    let frame = frame_around(normal);
+    let mut left = vec![1.0; channels];
+    let mut sees_sky = |ray: &Ray| {
+        left.fill(1.0);
+        shares.from(ray.direction) > 0.0 && tracer.passes(ray, f64::INFINITY, &mut left)
+    };
+    let mut passes = |point: u32| {
+        let [s, t, x, y] = sequence.point(point);
+        let origin = triangle::point(corners, uniform_triangle([s, t]));
+        let direction = frame * cosine_hemisphere([x, y]);
+        if !sees_sky(&Ray { origin, direction: -direction, from: Ray::FREE }) {
+            return false;
+        }
+        let Some(hit) = tracer.closest_hit(&Ray { origin, direction, from: Ray::FREE }) else { return false };
+        // Does it see as much without aiming?
+        let [x, y, ..] = sequence.dimensions(point, 1);
+        let around = frame_around(tracer.normal(hit.face as usize, hit.side)) * cosine_hemisphere([x, y]);
+        tracer.scene().is_diffuse(hit.face as usize)
+            && !sees_sky(&Ray { origin: tracer.point(&hit), direction: around, from: hit.face })
+    };
+    let [few, all] = LINES;
+    let mut count = (0..few).filter(|&k| passes(k)).count();
+    if count > 0 {
+        count += (few..all).filter(|&k| passes(k)).count();
+    }
+    let passing = count as f64 / f64::from(all);
+    let opening = Opening { corners: *corners, normal, area: triangle::area(corners), passing };
+    (passing >= LEAST_PASSING).then_some(opening)
+}
