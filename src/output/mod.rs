@@ -31,8 +31,8 @@ pub use file::{Outputs, replace, spare};
 pub use form_factors::{FactorEntry, FactorFormat, FactorTable, write_form_factors};
 pub use mesh::write_ply;
 pub use photometry::{
-    Levels, Photometry, luminous, write_luminous_faces, write_luminous_patches, write_photometry,
-    write_receivers,
+    LevelErrors, Levels, Photometry, luminous, write_luminous_faces, write_luminous_patches,
+    write_photometry, write_receivers,
 };
 pub use study::{StudySummary, read_study, write_study_reference, write_study_report, write_study_table};
 pub use summary::{BounceSummary, EnergySummary, SeriesSummary, Stage, Summary, write_summary};

@@ -7,9 +7,11 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::table::{digits, write_columns};
+use crate::measure::ReceiverBars;
 use crate::patches::Patches;
 use crate::render::to_rgb;
-use crate::scene::{Light, Receiver, Scene, luminance};
+use crate::scene::{Light, Scene, luminance};
+use crate::transport::Received;
 
 /// How a quantity is spread over some area or over some points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -43,6 +45,17 @@ impl Levels {
     }
 }
 
+/// One standard error of each of some levels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LevelErrors {
+    /// Of the mean.
+    pub mean: f64,
+    /// Of the lowest value.
+    pub minimum: f64,
+    /// Of the uniformity U₀.
+    pub uniformity: f64,
+}
+
 /// The light of a lamp, or on a material, an object or a receiver.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Photometry {
@@ -58,6 +71,9 @@ pub struct Photometry {
     pub illuminance: Option<Levels>,
     /// Luminance, cd/m²; of surfaces.
     pub luminance: Option<Levels>,
+    /// How wrong the illuminance may be, lx; of receivers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub illuminance_error: Option<LevelErrors>,
 }
 
 impl Photometry {
@@ -85,6 +101,7 @@ impl Photometry {
                     emitted: Some(members.iter().map(flux).sum()),
                     illuminance: levels(&lux),
                     luminance: levels(&candelas),
+                    illuminance_error: None,
                 }
             };
             names.into_iter().zip(members).filter(|(_, members)| !members.is_empty()).map(row).collect()
@@ -101,23 +118,54 @@ impl Photometry {
         let row = |(number, light): (usize, &Light)| {
             let emitted = light.flux().map(|flux| scene.efficacy() * luminance(&flux));
             let name = format!("{} {}", light.kind(), number + 1);
-            Self { kind: "light", name, area: None, emitted, illuminance: None, luminance: None }
+            Self {
+                kind: "light",
+                name,
+                area: None,
+                emitted,
+                illuminance: None,
+                luminance: None,
+                illuminance_error: None,
+            }
         };
         scene.lights().enumerate().map(row).collect()
     }
 
-    /// A receiver, from the irradiance of its points (m × c, W·m⁻²) at an efficacy in lm·W⁻¹.
-    pub fn of_receiver(receiver: &Receiver, irradiance: &DMatrix<f64>, efficacy: f64) -> Self {
+    /// What a receiver measures and how wrong that may be, at an efficacy in lm·W⁻¹.
+    pub fn of_receiver(
+        Received { receiver, irradiance, .. }: &Received,
+        bars: &ReceiverBars,
+        efficacy: f64,
+    ) -> Self {
         let area = receiver.edges[0].cross(receiver.edges[1]).length();
         let lux = luminous(irradiance, efficacy);
         let part = area / receiver.len() as f64;
+        let illuminance = Levels::of(lux.iter().map(|&value| (value, part)));
+        let illuminance_error = illuminance.map(|levels| {
+            let lowest = lux.iter().position(|&value| value == levels.minimum).unwrap_or(0);
+            let mean = |field: &DMatrix<f64>| luminous(field, efficacy).mean();
+            let minimum = |field: &DMatrix<f64>| luminous(&field.rows(lowest, 1).into_owned(), efficacy)[0];
+            let uniformity = |field: &DMatrix<f64>| {
+                if levels.mean > 0.0 {
+                    (minimum(field) - levels.uniformity * mean(field)) / levels.mean
+                } else {
+                    0.0
+                }
+            };
+            LevelErrors {
+                mean: bars.standard_error(mean),
+                minimum: bars.standard_error(minimum),
+                uniformity: bars.standard_error(uniformity),
+            }
+        });
         Self {
             kind: "receiver",
             name: receiver.name.clone(),
             area: Some(area),
             emitted: None,
-            illuminance: Levels::of(lux.iter().map(|&value| (value, part))),
+            illuminance,
             luminance: None,
+            illuminance_error,
         }
     }
 }
@@ -139,6 +187,8 @@ pub fn write_photometry(writer: &mut dyn Write, rows: &[Photometry]) -> io::Resu
         columns.extend(["mean", "minimum", "maximum"].map(|level| format!("{quantity}_{level}_{unit}")));
         columns.extend(["u0", "ud"].map(|ratio| format!("{quantity}_{ratio}")));
     }
+    columns
+        .extend(["mean_error_lx", "minimum_error_lx", "u0_error"].map(|name| format!("illuminance_{name}")));
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     write_columns(writer, &columns, |table| {
         rows.iter().try_for_each(|row| {
@@ -146,7 +196,9 @@ pub fn write_photometry(writer: &mut dyn Write, rows: &[Photometry]) -> io::Resu
                 None => [None; 5],
                 Some(l) => [l.mean, l.minimum, l.maximum, l.uniformity, l.diversity].map(Some),
             });
-            let numbers = [row.area, row.emitted].into_iter().chain(levels);
+            let errors =
+                row.illuminance_error.map_or([None; 3], |e| [e.mean, e.minimum, e.uniformity].map(Some));
+            let numbers = [row.area, row.emitted].into_iter().chain(levels).chain(errors);
             let numbers = numbers.map(|number| number.map_or_else(String::new, digits));
             table.write_record([row.kind.to_owned(), row.name.clone()].into_iter().chain(numbers))
         })
@@ -205,23 +257,27 @@ pub fn write_luminous_patches(
     })
 }
 
-/// Writes `receivers.csv`: a row per point, with its irradiance (W·m⁻²) and illuminance (lx).
+/// Writes `receivers.csv`: a row per point, with its irradiance (W·m⁻²), illuminance (lx) and one standard
+/// error of its irradiance.
 ///
 /// # Errors
 /// Those of `writer`.
 pub fn write_receivers(
     writer: &mut dyn Write,
-    receivers: &[(&Receiver, &DMatrix<f64>)],
+    receivers: &[(&Received, &ReceiverBars)],
     efficacy: f64,
 ) -> io::Result<()> {
-    let columns =
-        ["receiver", "point", "x", "y", "z", "irradiance_r", "irradiance_g", "irradiance_b", "illuminance"];
+    let mut columns = vec!["receiver", "point", "x", "y", "z"];
+    columns.extend(["irradiance_r", "irradiance_g", "irradiance_b", "illuminance"]);
+    columns.extend(["error_r", "error_g", "error_b"]);
     write_columns(writer, &columns, |table| {
-        for (receiver, irradiance) in receivers {
+        for (Received { receiver, irradiance, .. }, bars) in receivers {
             for (i, point) in receiver.points().enumerate() {
                 let values = irradiance.row(i).transpose();
                 let lux = efficacy * luminance(values.as_slice());
+                let errors = bars.points.row(i).transpose();
                 let numbers = point.to_array().into_iter().chain(to_rgb(values.as_slice())).chain([lux]);
+                let numbers = numbers.chain(to_rgb(errors.as_slice()));
                 let keys = [receiver.name.clone(), i.to_string()];
                 table.write_record(keys.into_iter().chain(numbers.map(digits)))?;
             }

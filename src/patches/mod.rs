@@ -9,6 +9,7 @@
 //! changes by a step there, and a patch on both sides of the foot of a box would carry light into the box. So
 //! no patch is larger than the size asked for, and some are smaller.
 
+mod bright;
 mod cut;
 mod facet;
 mod fields;
@@ -24,6 +25,7 @@ use rayon::prelude::*;
 use crate::progress::{Cancelled, Progress};
 use crate::scene::{FaceTexture, Feature, Scene, Side, triangle};
 use crate::trace::{Frame, Tracer};
+pub use bright::{BrightParts, BrightPoint, BrightView};
 pub use cut::{Barycentrics, Cutter, Outlook, Stretch};
 use cut::{Cuts, Parting, Parts, Uncut};
 pub(crate) use facet::Facet;

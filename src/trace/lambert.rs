@@ -108,6 +108,32 @@ fn flux_between(part: [DVec3; 3], normal: DVec3, large: &[DVec3; 3], splits: u32
     triangle::area(&part) * rule.iter().map(from).sum::<f64>()
 }
 
+/// Cosine by which [`form_factor_estimate`] looks below horizons; a pure number. Chosen, not fitted: a
+/// surface's parts see a little below its centre's horizon, and a triangle's parts see a little beside it.
+const MARGIN: f64 = 0.05;
+
+/// The part of a triangle's area that it adds to the square of its distance; a pure number. Chosen, not
+/// fitted: near the triangle what counts is its size.
+const SIZE: f64 = 0.1;
+
+/// Form factor from a point with a normal to the front of a triangle with this normal and area, roughly, and
+/// more rather than less: for chances, not for light.
+#[inline]
+pub fn form_factor_estimate(
+    (point, normal): (DVec3, DVec3),
+    (&[a, b, c], other, area): (&[DVec3; 3], DVec3, f64),
+) -> f64 {
+    let looks = [a, b, c, (a + b + c) / 3.0].map(|q| {
+        let between = q - point;
+        let squared = between.length_squared() + SIZE * area;
+        let distance = squared.sqrt();
+        let here = (normal.dot(between) / distance + MARGIN).max(0.0);
+        let there = (MARGIN - other.dot(between) / distance).max(0.0);
+        here * there / squared
+    });
+    area * FRAC_1_PI * 0.25 * looks.iter().sum::<f64>()
+}
+
 /// cos θ cos θ′ / (π r²) between two points with their normals: the form factor per unit of area there; 0
 /// where they can't face each other, see [`can_face`].
 #[inline]

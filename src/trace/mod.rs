@@ -34,6 +34,7 @@ pub use emitters::{
 };
 pub use facing::{IN_PLANE, can_face};
 pub(crate) use interaction::Interaction;
+pub(crate) use lambert::form_factor_estimate;
 pub use lambert::{form_factor_between, form_factor_to_triangle, geometry_term};
 use layers::Layers;
 pub use layers::{Overlap, OverlapKind};
@@ -42,6 +43,7 @@ pub(crate) use scattering::SpecularPath;
 pub use scattering::{Coat, Destination, Glossy, Scattered, Tint, fresnel};
 use scattering::{Gloss, Media};
 pub use solid_angle::solid_angle;
+pub(crate) use solid_angle::{towards_triangle, triangle_pdf};
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.
 ///

@@ -10,7 +10,7 @@ use radiosity::scene::{Material, Receiver, Scene};
 use radiosity::solve::{self, Method, SolveOptions};
 use radiosity::trace::Tracer;
 use radiosity::transport::{
-    FormFactors, Keep, LightOptions, ReceiverRows, StorageKind, TraceOptions, Transport, TransportError,
+    FormFactors, Keep, LightOptions, Received, StorageKind, TraceOptions, Transport, TransportError,
 };
 
 use crate::scenes::{BASES, cut_into as cut, flipped, paths, quads, room};
@@ -164,8 +164,8 @@ fn a_receiver_takes_each_channel_as_the_mirror_colours_it() {
         counts: [2, 2],
     };
     let options = LightOptions { rays: 2048, ..Default::default() };
-    let rows = ReceiverRows::trace(&tracer, &patches, Basis::Constant, &receiver, &options).unwrap();
-    let irradiance = rows.irradiance(&patches.emitted_radiance());
+    let emitted = patches.emitted_radiance();
+    let irradiance = Received::trace(&tracer, &patches, &emitted, &receiver, &options).unwrap().irradiance;
     for (c, part) in colour.into_iter().enumerate() {
         let mean = irradiance.column(c).mean() / std::f64::consts::PI;
         assert!((mean / part - 1.0).abs() < 0.005, "{c}: {mean}");

@@ -10,7 +10,7 @@ use radiosity::scene::{IntensityTable, Light, Material, Receiver, Scene};
 use radiosity::solve::Problem;
 use radiosity::trace::Tracer;
 use radiosity::trace::sampling::Stream;
-use radiosity::transport::{FormFactors, LightOptions, ReceiverRows, Sources, TraceOptions};
+use radiosity::transport::{FormFactors, LightOptions, Received, Sources, TraceOptions};
 
 use crate::scenes::{cut, cut_into, lit_quads, paths, room};
 use crate::scratch::Scratch;
@@ -60,8 +60,8 @@ fn illuminance_under_a_luminaire_is_that_of_its_table_by_the_inverse_square() {
             edges: [DVec3::Z * 1.2, DVec3::X * 1.2],
             counts: [12, 12],
         };
-        let rows = ReceiverRows::trace(&tracer, &patches, Basis::Constant, &desk, &options).unwrap();
-        let found = rows.irradiance(&DMatrix::zeros(patches.len(), 1));
+        let dark = DMatrix::zeros(patches.len(), 1);
+        let found = Received::trace(&tracer, &patches, &dark, &desk, &options).unwrap().irradiance;
         for (i, point) in desk.points().enumerate() {
             let exact = by_table(&table, position - point);
             assert!((EFFICACY * found[i] / exact - 1.0).abs() < 1e-9, "{name} {point}: {} {exact}", found[i]);

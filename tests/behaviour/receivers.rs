@@ -7,7 +7,7 @@ use radiosity::output::Levels;
 use radiosity::patches::Basis;
 use radiosity::scene::{Material, Receiver, Sky, SkyKind};
 use radiosity::trace::{Tracer, form_factor_to_triangle};
-use radiosity::transport::{LightOptions, ReceiverRows, Sources};
+use radiosity::transport::{LightOptions, Received, Sources};
 
 use crate::program::{radiosity, text};
 use crate::scenes::{cut_into, flipped, lit_quads, point, square};
@@ -35,9 +35,7 @@ fn under_a_lamp_receivers_see_lamberts_formula() {
         for height in [0.2, 0.7, 0.95] {
             let receiver = desk(height);
             let options = LightOptions { rays: 4096, ..Default::default() };
-            let found = ReceiverRows::trace(&tracer, &patches, basis, &receiver, &options)
-                .unwrap()
-                .irradiance(&emitted);
+            let found = Received::trace(&tracer, &patches, &emitted, &receiver, &options).unwrap().irradiance;
             for (i, point) in receiver.points().enumerate() {
                 let at = tracer.frame().from_world(point);
                 let seen = |f: usize| form_factor_to_triangle(at, DVec3::Y, tracer.corners(f));
@@ -66,8 +64,7 @@ fn lights_without_area_reach_receivers_and_lit_ground_shines_back() {
     // The ground reflects half of what arrives, and sees nothing but the sky.
     let radiance = sources.direct.unwrap() * (0.5 / PI);
     let trace = |receiver: &Receiver| {
-        let rows = ReceiverRows::trace(&tracer, &patches, Basis::Constant, receiver, &options).unwrap();
-        rows.irradiance(&radiance)
+        Received::trace(&tracer, &patches, &radiance, receiver, &options).unwrap().irradiance
     };
     let up = desk(1.0);
     let found = trace(&up);
@@ -85,6 +82,51 @@ fn lights_without_area_reach_receivers_and_lit_ground_shines_back() {
         let exact = 0.5 * (30.0 * between.y / between.length().powi(3) + 10.0 * 7.0 * PI / 9.0);
         assert!((found[i] / exact - 1.0).abs() < 5e-3, "{i}: {} {exact}", found[i]);
     }
+}
+
+/// Sun from straight above on a square of so wide an edge at height 0 that reflects half.
+fn sunlit(edge: f64) -> radiosity::scene::Scene {
+    let sun =
+        radiosity::scene::Light::Sun { direction: DVec3::NEG_Y, irradiance: vec![100.0], diameter: 0.0 };
+    let materials = vec![Material::diffuse("spot", &[0.5])];
+    lit_quads(&[(square(0.0, 0.5 * edge), 0)], materials, vec![sun], None)
+}
+
+#[test]
+fn receivers_see_small_sunlit_spots_and_know_their_error() {
+    let mut z = Vec::new();
+    for edge in [0.02, 0.1, 0.5] {
+        let scene = sunlit(edge);
+        let tracer = Tracer::new(&scene);
+        let patches = cut_into(&tracer, 100);
+        let options = LightOptions { rays: 512, ..Default::default() };
+        let sources = Sources::trace(&tracer, &patches, Basis::Constant, &options).unwrap();
+        let radiance = sources.direct.unwrap() * (0.5 / PI);
+        // A wall beside the spot.
+        let receiver = Receiver {
+            name: "wall".into(),
+            corner: DVec3::new(1.0, 0.05, -0.5),
+            edges: [DVec3::Z, DVec3::Y * 2.0],
+            counts: [2, 4],
+        };
+        assert_eq!(receiver.normal(), DVec3::NEG_X);
+        let found = Received::trace(&tracer, &patches, &radiance, &receiver, &options).unwrap();
+        for (i, point) in receiver.points().enumerate() {
+            let at = tracer.frame().from_world(point);
+            let seen: f64 =
+                (0..2).map(|f| form_factor_to_triangle(at, DVec3::NEG_X, tracer.corners(f))).sum();
+            let exact = 50.0 * seen;
+            let got = found.irradiance[i];
+            assert!((got / exact - 1.0).abs() < 0.02, "{edge} {i}: {got} {exact}");
+            let [own, _] = found.rows.noise();
+            let count = own.len() as f64;
+            let error =
+                (own.iter().map(|more| more[i].powi(2)).sum::<f64>() / (count * (count - 1.0))).sqrt();
+            z.push((got - exact) / error);
+        }
+    }
+    let rms = (z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64).sqrt();
+    assert!((0.6..1.5).contains(&rms), "{rms}: {z:?}");
 }
 
 #[test]

@@ -11,7 +11,7 @@ use radiosity::render::{self, Picture, RenderOptions, Shading, Surfaces};
 use radiosity::scene::{Feature, Scene};
 use radiosity::solve::{Amplification, NeumannOptions, Problem, Series, Solution, SolveOptions};
 use radiosity::trace::Tracer;
-use radiosity::transport::{LightOptions, Plan, ReceiverRows, Sources};
+use radiosity::transport::{LightOptions, Plan, Received, Sources};
 
 use crate::accuracy::GoalArgs;
 use crate::args::{RunArgs, SceneArgs, SolverArgs};
@@ -73,7 +73,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let job = Job { args, tracer, patches: &patches, problem };
     let Solved { solution, series, lamps } = &job.solve(progress)?;
 
-    let bars = ErrorBars::of(&patches, problem, solution, progress)?;
+    let received = job.receive(solution, &light)?;
+    let bars = ErrorBars::with_receivers(&patches, problem, solution, &received, progress)?;
     let energy = Energy::of(problem, &solution.radiance);
     let verdict = Verdict::of(&Answer {
         tracer,
@@ -84,14 +85,6 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         budget: Some(&bars.budget),
         tolerance: args.solver.tolerance,
     });
-    // Without interreflection receivers see lamps alone.
-    let direct_only = scene.is_without(Feature::Interreflection);
-    let seen = if direct_only { &problem.sources().emitted } else { &solution.radiance };
-    let receive = |receiver| {
-        let rows = ReceiverRows::trace(tracer, &patches, problem.basis(), receiver, &light)?;
-        Ok::<_, Failure>((receiver, rows.irradiance(seen)))
-    };
-    let received = scene.receivers().iter().map(receive).collect::<Result<Vec<_>, _>>()?;
     let pictures = job.draw(solution, &look)?;
     picture::warn_if_black(&pictures.picture, solution.irradiance.amax(), terminal);
 
@@ -103,13 +96,13 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let exposure = args.picture.exposure(&pictures.picture);
     outputs
         .file("mesh.ply", |file| output::write_ply(file, tracer, &patches, &solution.radiance, exposure))?;
-    let received: Vec<_> = received.iter().map(|(receiver, h)| (*receiver, h)).collect();
+    let received: Vec<_> = received.iter().zip(&bars.receivers).collect();
     let efficacy = scene.efficacy();
     if !received.is_empty() {
         outputs.file("receivers.csv", |file| output::write_receivers(file, &received, efficacy))?;
     }
     let of_receivers =
-        received.iter().map(|(receiver, h)| Photometry::of_receiver(receiver, h, efficacy)).collect();
+        received.iter().map(|(received, bars)| Photometry::of_receiver(received, bars, efficacy)).collect();
     let photometry = job.write_photometry(&mut outputs, means, of_receivers)?;
     job.write_false_colours(&mut outputs, &pictures)?;
     job.write_lamps(&mut outputs, lamps)?;
@@ -209,6 +202,16 @@ impl Job<'_> {
             groups.push((LIGHTS.to_owned(), sources.without_emission()));
         }
         groups
+    }
+
+    /// What receivers measure.
+    fn receive(&self, solution: &Solution, light: &LightOptions) -> Result<Vec<Received<'_>>, Failure> {
+        // Without interreflection receivers see lamps alone.
+        let direct_only = self.scene().is_without(Feature::Interreflection);
+        let seen = if direct_only { &self.problem.sources().emitted } else { &solution.radiance };
+        let receivers = self.scene().receivers().iter();
+        let trace = |receiver| Received::trace(self.tracer, self.patches, seen, receiver, light);
+        receivers.map(|receiver| Ok(trace(receiver)?)).collect()
     }
 
     fn draw(&self, solution: &Solution, look: &RenderOptions) -> Result<Pictures, Failure> {

@@ -1,7 +1,6 @@
 //! Faces: irradiance by face, and how large fields over faces are beside it.
 
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
 use crate::patches::{FaceRow, Patches};
 
@@ -30,10 +29,6 @@ impl Faces {
             column.iter().zip(&self.place).for_each(|(x, &(f, part))| mean[f] += part * x);
         }
         means
-    }
-
-    pub fn means_of_all(&self, batches: &[DMatrix<f64>]) -> Vec<DMatrix<f64>> {
-        batches.par_iter().map(|field| self.means(field)).collect()
     }
 
     /// ΣA x over faces and channels.

@@ -1,8 +1,8 @@
 //! Fields: what each source of error does to irradiance, patch by patch or face by face.
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
-use super::faces::Faces;
 use super::mesh::{Insight, Known, MeshError, mesh_error};
 use super::noise::{self, Noise};
 use super::slack;
@@ -13,6 +13,7 @@ use crate::solve::{Problem, Solution};
 
 /// What each source of error does to irradiance, W·m⁻²: a row per patch, or per face and side, and a column
 /// per channel.
+#[derive(Clone, Debug)]
 pub(super) struct Fields {
     /// The noise of form factors, by batches of rays.
     pub rays: Vec<DMatrix<f64>>,
@@ -52,15 +53,24 @@ impl Fields {
         Ok((Self { rays, lamps, merging, variation, missing }, insight))
     }
 
-    /// The same by faces.
-    pub fn over(&self, faces: &Faces) -> Self {
+    /// The same after a linear map, such as means over faces.
+    pub fn map(&self, map: impl Fn(&DMatrix<f64>) -> DMatrix<f64> + Sync) -> Self {
+        let all = |batches: &[DMatrix<f64>]| batches.par_iter().map(&map).collect();
         Self {
-            rays: faces.means_of_all(&self.rays),
-            lamps: faces.means_of_all(&self.lamps),
-            merging: faces.means(&self.merging),
-            variation: self.variation.each_ref().map(|half| faces.means(half)),
-            missing: self.missing.as_ref().map(|missing| faces.means(missing)),
+            rays: all(&self.rays),
+            lamps: all(&self.lamps),
+            merging: map(&self.merging),
+            variation: self.variation.each_ref().map(&map),
+            missing: self.missing.as_ref().map(&map),
         }
+    }
+
+    /// The square of the error of a linear function of irradiance, as far as these tell it.
+    pub fn squared(&self, of: impl Fn(&DMatrix<f64>) -> f64) -> f64 {
+        let noise = noise::variance_of(&self.rays, &of) + noise::variance_of(&self.lamps, &of);
+        let [a, b] = self.variation.each_ref().map(&of);
+        let missing = self.missing.as_ref().map_or(0.0, &of);
+        noise + of(&self.merging).powi(2) + (a * b).max(0.0) + missing * missing
     }
 
     /// The variance of one value, by noise.

@@ -13,6 +13,7 @@ mod faces;
 mod fields;
 mod mesh;
 mod noise;
+mod receivers;
 mod sizes;
 mod slack;
 
@@ -22,11 +23,14 @@ use serde::Serialize;
 use super::MeasureError;
 use crate::patches::{FaceRow, Patches};
 use crate::progress::Progress;
+use crate::scene::Feature;
 use crate::solve::{Certainty, Problem, Solution};
+use crate::transport::{Received, Reflection};
 use faces::Faces;
 use fields::Fields;
 pub(super) use mesh::Insight;
 pub(super) use noise::at_most as noise_at_most;
+pub use receivers::ReceiverBars;
 use sizes::Sizes;
 pub(super) use slack::at_most as slack_at_most;
 
@@ -37,6 +41,8 @@ pub struct ErrorBars {
     pub patches: DMatrix<f64>,
     /// The same of a face's irradiance, in the order of [`Patches::average_by_face`].
     pub faces: Vec<FaceRow>,
+    /// Of what each receiver measures.
+    pub receivers: Vec<ReceiverBars>,
     /// What the error of faces is made from.
     pub budget: ErrorBudget,
 }
@@ -108,22 +114,49 @@ impl ErrorBars {
         solution: &Solution,
         progress: Progress,
     ) -> Result<Self, MeasureError> {
+        Self::with_receivers(patches, problem, solution, &[], progress)
+    }
+
+    /// The same, and the errors of what receivers measure under the solution.
+    ///
+    /// # Errors
+    /// As [`ErrorBars::of`].
+    pub fn with_receivers(
+        patches: &Patches,
+        problem: &Problem,
+        solution: &Solution,
+        receivers: &[Received],
+        progress: Progress,
+    ) -> Result<Self, MeasureError> {
         progress.at("solve", 0.0)?;
         let (by_patch, insight) = Fields::of(patches, problem, solution, progress)?;
         let irradiance = problem.basis().means(&solution.irradiance);
         let faces = Faces::new(patches, &irradiance);
-        let by_face = by_patch.over(&faces);
+        let by_face = by_patch.map(|field| faces.means(field));
         let sizes = Sizes::of(&faces, &by_face, patches, &solution.report);
         let budget = sizes.budget(problem, &solution.report, insight);
         let bars = |(f, row): (usize, &FaceRow)| FaceRow {
             mean: (0..row.mean.len()).map(|c| sizes.bar(row.mean[c], &by_face, (f, c))).collect(),
             ..row.clone()
         };
+        let reflection = Reflection::of(patches);
+        // Without interreflection no receiver sees what surfaces reflect.
+        let sends = !patches.scene().is_without(Feature::Interreflection);
+        let of_receiver = |received: &Received| {
+            let arriving = |change: &DMatrix<f64>| {
+                let part = if sends { 1.0 } else { 0.0 };
+                let sent = problem.basis().coefficients_of(&(part * reflection.reflect(change)));
+                received.rows.from_surfaces(&sent)
+            };
+            ReceiverBars::new(received, by_patch.map(arriving), sizes.common())
+        };
+        let receivers = receivers.iter().map(of_receiver).collect();
         let (n, channels) = irradiance.shape();
         progress.at("solve", 1.0)?;
         Ok(Self {
             patches: DMatrix::from_fn(n, channels, |i, c| sizes.bar(irradiance[(i, c)], &by_patch, (i, c))),
             faces: faces.irradiance.iter().enumerate().map(bars).collect(),
+            receivers,
             budget,
         })
     }

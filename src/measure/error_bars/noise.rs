@@ -62,6 +62,16 @@ pub(in crate::measure) fn at_most(rays: u32, basis: Basis) -> f64 {
     }
 }
 
+/// The variance of a linear function of the mean of batches whose own mean is zero; 0 where there are none.
+pub(super) fn variance_of(batches: &[DMatrix<f64>], of: impl Fn(&DMatrix<f64>) -> f64) -> f64 {
+    let count = batches.len() as f64;
+    if batches.is_empty() {
+        0.0
+    } else {
+        batches.iter().map(|batch| of(batch).powi(2)).sum::<f64>() / (count * (count - 1.0))
+    }
+}
+
 /// The variance of one value of the mean of batches whose own mean is zero.
 pub(super) fn variance(batches: &[DMatrix<f64>], at: (usize, usize)) -> f64 {
     let count = batches.len() as f64;

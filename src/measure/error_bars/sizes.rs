@@ -82,12 +82,17 @@ impl Sizes {
         ErrorBudget { relative_rms, upper95, irradiance, parts, insight, scatter }
     }
 
+    /// What of the mesh error all values have, as a part of irradiance.
+    pub fn common(&self) -> f64 {
+        COMMON * self.mesh
+    }
+
     /// One standard error of a patch or face of irradiance `h`: its own noise, what of the mesh error is seen
     /// on it, some of what all have, what it may miss, and what is left out.
     pub fn bar(&self, h: f64, fields: &Fields, at: (usize, usize)) -> f64 {
         let left_out = if self.is_truncated { self.left_out[at.1] } else { 0.0 };
         let variance = fields.variance(at) + fields.missing_squared(at);
-        (variance + fields.mesh_squared(at) + (COMMON * self.mesh * h).powi(2) + left_out.powi(2)).sqrt()
+        (variance + fields.mesh_squared(at) + (self.common() * h).powi(2) + left_out.powi(2)).sqrt()
     }
 }
 

@@ -1,13 +1,11 @@
 //! Apertures as a small surface sees them: directions towards them, beside their density.
 
-use std::f64::consts::FRAC_1_PI;
-
 use glam::DVec3;
 
 use super::{Apertures, Opening};
 use crate::trace::sampling::Discrete;
 use crate::trace::solid_angle::{towards_triangle, triangle_pdf};
-use crate::trace::{IN_PLANE, can_face};
+use crate::trace::{IN_PLANE, can_face, form_factor_estimate};
 
 /// The most triangles of apertures that a surface looks at: those that matter most. Chosen, not fitted.
 const MOST_SEEN: usize = 16;
@@ -15,14 +13,6 @@ const MOST_SEEN: usize = 16;
 /// Of those, the ones that matter less than this part of the most important are left to other samples.
 /// Chosen, not fitted.
 const LEAST_SEEN: f64 = 1e-3;
-
-/// Cosine by which estimates look below horizons; a pure number. Chosen, not fitted: a surface's parts see a
-/// little below its centre's horizon.
-const MARGIN: f64 = 0.05;
-
-/// The part of a triangle's area that estimates add to the square of its distance; a pure number. Chosen, not
-/// fitted: near by what counts is its size.
-const SIZE: f64 = 0.1;
 
 /// Apertures as seen from a surface.
 #[derive(Clone, Debug, Default)]
@@ -39,9 +29,12 @@ impl Apertures {
         }
         let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
         let faces = |opening: &&Opening| can_face((corners, normal), (&opening.corners, opening.normal));
-        let estimated = |opening| (opening, estimate(opening, centre, normal));
-        let mut seen: Vec<(&Opening, f64)> =
-            self.openings().iter().filter(faces).map(estimated).filter(|&(_, worth)| worth > 0.0).collect();
+        let worth = |opening: &Opening| {
+            let there = (&opening.corners, opening.normal, opening.area);
+            opening.passing * form_factor_estimate((centre, normal), there)
+        };
+        let openings = self.openings().iter().filter(faces).map(|opening| (opening, worth(opening)));
+        let mut seen: Vec<(&Opening, f64)> = openings.filter(|&(_, worth)| worth > 0.0).collect();
         seen.sort_by(|a, b| b.1.total_cmp(&a.1));
         seen.truncate(MOST_SEEN);
         let most = seen.first().map_or(0.0, |&(_, worth)| worth);
@@ -49,21 +42,6 @@ impl Apertures {
         let chances = Discrete::new(seen.iter().map(|&(_, worth)| worth)).normalised();
         ApertureView { seen: seen.into_iter().map(|(opening, _)| opening).collect(), chances }
     }
-}
-
-/// The form factor to an opening, roughly, times the part of it that leads to the sky.
-fn estimate(opening: &Opening, point: DVec3, normal: DVec3) -> f64 {
-    let [a, b, c] = opening.corners;
-    let look = |q: DVec3| {
-        let between = q - point;
-        let squared = between.length_squared() + SIZE * opening.area;
-        let distance = squared.sqrt();
-        let here = (normal.dot(between) / distance + MARGIN).max(0.0);
-        let there = (MARGIN - opening.normal.dot(between) / distance).max(0.0);
-        here * there / squared
-    };
-    let looks = [a, b, c, (a + b + c) / 3.0].map(look);
-    opening.passing * opening.area * FRAC_1_PI * 0.25 * looks.iter().sum::<f64>()
 }
 
 impl ApertureView<'_> {

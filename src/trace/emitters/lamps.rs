@@ -4,13 +4,11 @@
 //! stood in between, and the point uniform on it. What they would contribute in all is known exactly, by
 //! Lambert's formula.
 
-use std::f64::consts::FRAC_1_PI;
-
 use glam::DVec3;
 
 use crate::scene::{FaceState, Side, triangle};
 use crate::trace::sampling::{Discrete, uniform_triangle};
-use crate::trace::{Tracer, can_face, form_factor_between, form_factor_to_triangle};
+use crate::trace::{Tracer, can_face, form_factor_between, form_factor_estimate, form_factor_to_triangle};
 
 /// Lamps are the brightest faces that together give this share of the emitted power...
 const POWER_SHARE: f64 = 0.95;
@@ -31,14 +29,6 @@ const NEAR: f64 = 3.0;
 /// The part of a lamp's estimate that is added to its exact contribution, as chances go; a pure number.
 /// Chosen, not fitted: it leaves some chance to what other points of the surface may see.
 const LEAST_CHANCE: f64 = 0.05;
-
-/// Cosine by which estimates look below horizons; a pure number. Chosen, not fitted: a surface's parts see a
-/// little below its centre's horizon, and a lamp's parts see a little beside it.
-const MARGIN: f64 = 0.05;
-
-/// The part of a lamp's area that estimates add to the square of its distance; a pure number. Chosen, not
-/// fitted: near the lamp what counts is its size.
-const SIZE: f64 = 0.1;
 
 /// The faces that give most of a scene's light.
 #[derive(Clone, Debug)]
@@ -258,16 +248,7 @@ fn area(tracer: &Tracer, face: u32) -> f64 {
 impl LampFace {
     /// What the face may contribute at a point with a normal, roughly, and more rather than less.
     fn estimate(&self, point: DVec3, normal: DVec3) -> f64 {
-        let [a, b, c] = self.corners;
-        let looks = [a, b, c, (a + b + c) / 3.0].map(|q| {
-            let to_lamp = q - point;
-            let squared = to_lamp.length_squared() + SIZE * self.area;
-            let distance = squared.sqrt();
-            let here = (normal.dot(to_lamp) / distance + MARGIN).max(0.0);
-            let there = (MARGIN - self.normal.dot(to_lamp) / distance).max(0.0);
-            here * there / squared
-        });
-        self.brightness * self.area * FRAC_1_PI * 0.25 * looks.iter().sum::<f64>()
+        self.brightness * form_factor_estimate((point, normal), (&self.corners, self.normal, self.area))
     }
 }
 

@@ -50,9 +50,9 @@ streams! {
     DirectLight = 8,
     /// Rays from lamps that tell what of their light does not arrive straight: 0; the part.
     LampRays = 9,
-    /// Rays from receivers: stretches by point.
+    /// Rays from receivers and points on lamps: stretches by point; the batch.
     Receivers = 10,
-    /// Lights without area seen from receivers: stretches by point.
+    /// Lights without area seen from receivers: stretches by point; the batch.
     ReceiverLights = 11,
     /// Shots from lights without area through receivers: the light; the sequence.
     Crossings = 12,
@@ -92,6 +92,8 @@ streams! {
     NearPhotons = 30,
     /// Directions in which lights and receivers look around: their number; 0 for lights and 1 for receivers.
     Placement = 31,
+    /// Points on bright patches seen from receivers: stretches by point; the batch.
+    ReceiverBright = 33,
     /// Lines by which apertures are judged: the candidate; the side.
     Apertures = 32,
     /// What callers of this library draw for purposes of their own, tests among them: anything; anything.

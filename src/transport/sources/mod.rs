@@ -6,7 +6,6 @@
 //! weighted by what each would bring: so an unhidden point light is exact.
 
 mod carried_light;
-mod crossings;
 mod direct_light;
 mod lamp_flux;
 mod receivers;
@@ -27,7 +26,7 @@ use crate::trace::{Lights, Ray, SkyBeam, Tracer, sampling};
 pub use carried_light::CarriedLight;
 use carried_light::Measured;
 pub(crate) use lamp_flux::LampFlux;
-pub use receivers::ReceiverRows;
+pub use receivers::{Received, ReceiverRows};
 
 /// Patches between two reports of progress; a number. Chosen, not fitted.
 const CHUNK: usize = 4096;

@@ -8,7 +8,7 @@ use radiosity::patches::{Basis, PatchSize};
 use radiosity::render::{self, RenderOptions, Shading};
 use radiosity::scene::{Camera, Material, Receiver, SkyKind};
 use radiosity::trace::Tracer;
-use radiosity::transport::{LightOptions, Plan, ReceiverRows};
+use radiosity::transport::{LightOptions, Plan, Received};
 
 use super::trace;
 use crate::scenes::{cut, grey, lit_quads, point, sky, square, sun};
@@ -47,7 +47,7 @@ fn receivers_get_what_mirrors_send_them() {
     let options = LightOptions { rays: 4096, ..Default::default() };
     let dark = DMatrix::zeros(patches.len(), 1);
     let found = |receiver: &Receiver| {
-        ReceiverRows::trace(&tracer, &patches, Basis::Constant, receiver, &options).unwrap().irradiance(&dark)
+        Received::trace(&tracer, &patches, &dark, receiver, &options).unwrap().irradiance
     };
     // A little sky passes beside the mirror, straight, and a little is hidden.
     let exact = 0.8 * 100.0 * (0.5f64).sqrt() + 0.8 * 3.0 * PI;

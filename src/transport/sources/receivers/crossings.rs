@@ -5,9 +5,10 @@
 //! from the front, by the cell's area.
 
 use glam::{DMat2, DVec2, DVec3};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::{LightOptions, TASK};
+use super::super::{LightOptions, PARTS, TASK};
 use crate::progress::Cancelled;
 use crate::scene::Receiver;
 use crate::trace::sampling::{SEQUENCE_END, Sampler, Sequence, Stream};
@@ -62,23 +63,23 @@ impl Grid {
     }
 }
 
-/// Adds to the irradiance of a receiver's points (a value a channel each, W·m⁻²) what lights throw through
-/// its cells.
+/// Adds to the irradiance of a receiver's points (m × c, W·m⁻²) what lights throw through its cells; answers
+/// by how much more each eighth of the shots finds by itself, or nothing where there are no such shots.
 pub fn add_crossings(
     tracer: &Tracer,
     lights: &Lights,
     receiver: &Receiver,
     options: &LightOptions,
-    irradiance: &mut [f64],
-) -> Result<(), Cancelled> {
+    irradiance: &mut DMatrix<f64>,
+) -> Result<Vec<DMatrix<f64>>, Cancelled> {
     let Some(targets) = Targets::new(tracer, lights).filter(|_| options.caustics == Shots::Shot) else {
-        return Ok(());
+        return Ok(Vec::new());
     };
     let grid = Grid::new(tracer, receiver);
     let channels = tracer.scene().channels();
     let wanted = receiver.len() * options.rays as usize / SEQUENCE_END as usize;
     let [fewest, most] = SEQUENCES;
-    let sequences = wanted.clamp(fewest, most).div_ceil(lights.len().max(1)) as u64;
+    let sequences = wanted.clamp(fewest, most).div_ceil(lights.len().max(1)).next_multiple_of(PARTS) as u64;
     let worth = 1.0 / (grid.cell() * (sequences * u64::from(SEQUENCE_END)) as f64);
     let shoot = |light: usize, sequence: Sequence, task: u32| {
         let mut found = Vec::new();
@@ -105,6 +106,7 @@ pub fn add_crossings(
         }
         found
     };
+    let mut parts = vec![DMatrix::zeros(irradiance.nrows(), channels); PARTS];
     for light in 0..lights.len() {
         for index in 0..sequences {
             options.progress.at("receive", 1.0)?;
@@ -112,13 +114,15 @@ pub fn add_crossings(
             let tasks = (0..SEQUENCE_END / TASK).into_par_iter();
             let found: Vec<_> = tasks.map(|task| shoot(light, sequence, task)).collect();
             // Sum up in a fixed order.
+            let part = &mut parts[index as usize % PARTS];
             for (cell, flux) in found.into_iter().flatten() {
-                let values = &mut irradiance[cell * channels..][..channels];
-                values.iter_mut().zip(flux).for_each(|(sum, flux)| *sum += flux);
+                flux.into_iter().enumerate().for_each(|(c, flux)| part[(cell, c)] += flux);
             }
         }
     }
-    Ok(())
+    let whole = parts.iter().fold(0.0 * &*irradiance, |sum, part| sum + part);
+    *irradiance += &whole;
+    Ok(parts.into_iter().map(|part| part * PARTS as f64 - &whole).collect())
 }
 
 /// A shot on its way over carriers.
