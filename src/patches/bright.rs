@@ -350,7 +350,8 @@ mod tests {
                 if hit.face == to.face {
                     let pdf = bright.pdf(&view, point, to.direction, &hit);
                     assert!((pdf / to.pdf - 1.0).abs() < 1e-6, "{pdf} {}", to.pdf);
-                    drawn += radiance_at(&hit) * normal.dot(to.direction) / to.pdf / f64::from(n);
+                    let cosine = normal.dot(to.direction).max(0.0);
+                    drawn += radiance_at(&hit) * cosine / to.pdf / f64::from(n);
                 }
             }
             let frame = crate::trace::sampling::frame_around(normal);

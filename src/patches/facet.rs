@@ -5,11 +5,10 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::cut::Barycentrics;
 use super::{Patches, Slot};
 use crate::scene::Side;
 use crate::scene::triangle;
-use crate::trace::{Coat, Interaction, Ray, Tracer, sampling, solid_angle};
+use crate::trace::{Coat, Interaction, Ray, Target, Tracer, sampling, target};
 
 /// One side of a cell: a triangle that sees.
 #[derive(Clone, Copy, Debug)]
@@ -20,19 +19,6 @@ pub(crate) struct Facet<'t> {
     pub normal: DVec3,
     pub coat: Option<&'t Coat>,
 }
-
-/// A point of a facet.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Target {
-    pub point: DVec3,
-    /// Weights of the second and third corner.
-    pub barycentrics: Barycentrics,
-    /// Density with which it was drawn, relative to a uniform one.
-    pub density: f64,
-}
-
-/// What is nearer than so many radii of a facet lights it up unevenly.
-const NEAR: f64 = 3.0;
 
 impl<'t> Facet<'t> {
     /// The point that lies where [u, v] in the unit square does, uniform over the triangle.
@@ -45,34 +31,7 @@ impl<'t> Facet<'t> {
     /// that it lights up is missed, and uniform over the triangle elsewhere.
     #[inline]
     pub fn target(&self, from: DVec3, square: [f64; 2]) -> Target {
-        let [a, b, c] = self.corners;
-        let uniform = || {
-            let barycentrics = sampling::uniform_triangle(square);
-            Target { point: triangle::point(&self.corners, barycentrics), barycentrics, density: 1.0 }
-        };
-        let centre = self.centre();
-        let squared = self.corners.map(|corner| corner.distance_squared(centre));
-        let radius_squared = squared.into_iter().fold(0.0, f64::max);
-        if centre.distance_squared(from) > NEAR * NEAR * radius_squared {
-            return uniform();
-        }
-        let solid_angle = solid_angle(from, &self.corners);
-        let directions = self.corners.map(|corner| (corner - from).normalize_or_zero());
-        let direction = sampling::uniform_spherical_triangle(directions, square);
-        let across = triangle::across(&self.corners);
-        let (height, cosine) = (across.dot(a - from), across.dot(direction));
-        let distance = height / cosine;
-        let to = from + distance * direction - a;
-        let squared = across.length_squared();
-        let weights = [to.cross(c - a).dot(across) / squared, (b - a).cross(to).dot(across) / squared];
-        // In the facet's own plane there is no solid angle to draw from.
-        let density = 0.5 * cosine.abs() / (distance * distance * solid_angle);
-        if !(density > 0.0 && density.is_finite() && weights.into_iter().all(f64::is_finite)) {
-            return uniform();
-        }
-        let [u, v] = weights.map(|weight| weight.clamp(0.0, 1.0));
-        let barycentrics = [u, v].map(|weight| weight / (u + v).max(1.0));
-        Target { point: triangle::point(&self.corners, barycentrics), barycentrics, density }
+        target(from, &self.corners, square)
     }
 
     /// Where light arrives at the point that lies where [u, v] in the unit square does.

@@ -27,8 +27,10 @@ use glam::DVec3;
 
 use crate::scene::{FaceState, Scene, Side, Surface, triangle};
 use apertures::Apertures;
+pub use apertures::Through;
 use bvh::Bvh;
 pub use convex::{Enclosure, NotConvex};
+pub(crate) use emitters::Arrival;
 pub use emitters::{
     Beam, LampPoint, LampView, Lamps, Lights, Shot, SkyBeam, SkySampler, SkyShot, SkyView, Targets,
 };
@@ -43,7 +45,7 @@ pub(crate) use scattering::SpecularPath;
 pub use scattering::{Coat, Destination, Glossy, Scattered, Tint, fresnel};
 use scattering::{Gloss, Media};
 pub use solid_angle::solid_angle;
-pub(crate) use solid_angle::{towards_triangle, triangle_pdf};
+pub(crate) use solid_angle::{Target, target, towards_triangle, triangle_pdf};
 
 /// Hits nearer than this to the origin are the surface the ray starts on, in normalised lengths.
 ///
@@ -159,7 +161,7 @@ pub struct Tracer<'s> {
     /// Which of coinciding faces is on top.
     layers: Layers,
     bvh: Bvh,
-    /// Found when the sky is first looked for.
+    /// Found when sun or sky are first looked for.
     apertures: OnceLock<Apertures>,
 }
 
@@ -200,7 +202,7 @@ impl<'s> Tracer<'s> {
         self.scene
     }
 
-    /// The openings through which places inside see the sky; first to be asked for by a single thread.
+    /// The openings through which places inside see sun and sky; first to be asked for by a single thread.
     pub(crate) fn apertures(&self) -> &Apertures {
         self.apertures.get_or_init(|| Apertures::find(self))
     }

@@ -1,4 +1,4 @@
-//! Solid angle: how much of all directions a triangle fills, and directions drawn towards it evenly.
+//! Solid angle: how much of all directions a triangle fills, and directions and points drawn by it.
 
 use glam::DVec3;
 
@@ -33,6 +33,76 @@ pub fn towards_triangle(point: DVec3, corners: &[DVec3; 3], square: [f64; 2]) ->
 pub fn triangle_pdf(point: DVec3, corners: &[DVec3; 3], (distance, cosine): (f64, f64)) -> f64 {
     let angle = solid_angle(point, corners);
     if angle < TINY { distance * distance / (cosine * triangle::area(corners)) } else { 1.0 / angle }
+}
+
+/// What is nearer than so many radii of a triangle lights it up unevenly.
+const NEAR: f64 = 3.0;
+
+/// A point of a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    pub point: DVec3,
+    /// Weights of the second and third corner.
+    pub barycentrics: [f64; 2],
+    /// Density with which it was drawn, relative to a uniform one.
+    pub density: f64,
+}
+
+/// A triangle's centre, and the distance from it within which points light it up unevenly.
+#[inline]
+pub fn surroundings(corners: &[DVec3; 3]) -> (DVec3, f64) {
+    let centre = corners.iter().sum::<DVec3>() / 3.0;
+    let squared = corners.map(|corner| corner.distance_squared(centre));
+    (centre, NEAR * squared.into_iter().fold(0.0, f64::max).sqrt())
+}
+
+#[inline]
+fn is_near(from: DVec3, corners: &[DVec3; 3]) -> bool {
+    let (centre, reach) = surroundings(corners);
+    centre.distance_squared(from) <= reach * reach
+}
+
+/// Where on a triangle light from a point is looked for: drawn by solid angle where the point is near, so
+/// that no part that it lights up is missed, and uniform over the triangle elsewhere.
+#[inline]
+pub fn target(from: DVec3, corners: &[DVec3; 3], square: [f64; 2]) -> Target {
+    let uniform = || {
+        let barycentrics = uniform_triangle(square);
+        Target { point: triangle::point(corners, barycentrics), barycentrics, density: 1.0 }
+    };
+    if !is_near(from, corners) {
+        return uniform();
+    }
+    let [a, b, c] = *corners;
+    let directions = corners.map(|corner| (corner - from).normalize_or_zero());
+    let direction = uniform_spherical_triangle(directions, square);
+    let across = triangle::across(corners);
+    let (height, cosine) = (across.dot(a - from), across.dot(direction));
+    let distance = height / cosine;
+    let to = from + distance * direction - a;
+    let squared = across.length_squared();
+    let weights = [to.cross(c - a).dot(across) / squared, (b - a).cross(to).dot(across) / squared];
+    // In the triangle's own plane there is no solid angle to draw from.
+    let density = 0.5 * cosine.abs() / (distance * distance * solid_angle(from, corners));
+    if !(density > 0.0 && density.is_finite() && weights.into_iter().all(f64::is_finite)) {
+        return uniform();
+    }
+    let [u, v] = weights.map(|weight| weight.clamp(0.0, 1.0));
+    let barycentrics = [u, v].map(|weight| weight / (u + v).max(1.0));
+    Target { point: triangle::point(corners, barycentrics), barycentrics, density }
+}
+
+/// Density with which [`target`] draws a point of a triangle, relative to a uniform one.
+#[inline]
+pub fn target_density(from: DVec3, corners: &[DVec3; 3], point: DVec3) -> f64 {
+    if !is_near(from, corners) {
+        return 1.0;
+    }
+    let between = point - from;
+    let squared = between.length_squared();
+    let cosine = triangle::across(corners).dot(between).abs() / squared.sqrt();
+    let density = 0.5 * cosine / (squared * solid_angle(from, corners));
+    if density > 0.0 && density.is_finite() { density } else { 1.0 }
 }
 
 #[cfg(test)]

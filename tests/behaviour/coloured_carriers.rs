@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use nalgebra::DMatrix;
 use radiosity::measure::Energy;
-use radiosity::patches::{Basis, PatchSize, Patches, Reach, Tessellation};
+use radiosity::patches::{PatchSize, Patches, Reach, Tessellation};
 use radiosity::reference::PathTracer;
 use radiosity::scene::{Material, Receiver, Scene};
 use radiosity::solve::{self, Method, SolveOptions};

@@ -26,6 +26,7 @@ mod media; // glass in water, walls in glass: Snell between solids, a furnace, a
 mod mutations; // damaged files of every format
 mod odd_files; // files as programs write them: encodings, polygons, names, files elsewhere
 mod one_sided; // form factors of one side: known values, closure, reciprocity, zeros and their bounds
+mod openings; // light that comes in through little
 mod path_tracer; // closed forms and another renderer, judged by standard errors
 mod pictures; // what cameras see: ways of shading agree, nothing lit is black
 mod placement; // lamps, lights and receivers outside, in solids, turned away

@@ -208,7 +208,9 @@ fn luminance_is_what_leaves_a_matt_surface_and_every_header_names_its_unit() {
         let (header, found) = table(name);
         assert!(found.len() >= rows, "{name}: {}", found.len());
         for column in &header[keys..] {
-            let named = ["_m", "_m2", "_lx", "_lm", "_u0", "_ud"].iter().any(|unit| column.ends_with(unit));
+            let named = ["_m", "_m2", "_lx", "_lm", "_u0", "_ud", "_u0_error"]
+                .iter()
+                .any(|unit| column.ends_with(unit));
             assert!(named, "{name}: {column} has no unit");
         }
     }

@@ -3,6 +3,7 @@
 mod carried;
 mod facing;
 mod sides;
+mod through;
 
 pub use facing::seeing_sides;
 pub(crate) use facing::{FaceSide, Facing, Members};

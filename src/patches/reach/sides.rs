@@ -14,7 +14,7 @@ use crate::patches::{Patches, Slot, Tessellation};
 use crate::progress::Cancelled;
 use crate::scene::{Feature, Side};
 use crate::trace::sampling::Stream;
-use crate::trace::{Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term};
+use crate::trace::{Arrival, Destination, Lamps, Lights, Ray, Tint, Tracer, geometry_term};
 
 /// Which sides become patches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -269,7 +269,10 @@ impl Patches<'_> {
                 && self.is_shone_on(tracer, lights, slot, Looks { range: 0..LAMP_LOOKS, seed })
         };
         let mut lit: Vec<bool> = (0..self.slots() as u32).into_par_iter().map(is_lit).collect();
+        self.shine_through(tracer, lights, seed, &mut lit);
         self.shine_by_carriers(tracer, lights, seed, &mut lit);
+        let is_unwanted = |slot: u32| !self.is_wanted(slot);
+        lit.iter_mut().zip(0..).for_each(|(lit, slot)| *lit &= !is_unwanted(slot));
         lit
     }
 
@@ -288,8 +291,8 @@ impl Patches<'_> {
         range.any(|k| {
             let [s, t, u, v] = sequence.point(k);
             arrived.fill(0.0);
-            let place = facet.interaction([s, t]);
-            lights.add_irradiance(tracer, (&place, sky.as_ref()), || [u, v], [&mut arrived, &mut scratch]);
+            let here = Arrival { place: facet.interaction([s, t]), sky: sky.as_ref() };
+            lights.add_irradiance(tracer, &here, || [u, v], [&mut arrived, &mut scratch]);
             arrived.iter().any(|&x| x > 0.0)
         })
     }

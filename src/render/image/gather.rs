@@ -19,7 +19,7 @@ use crate::render::tone::to_rgb;
 use crate::scene::Side;
 use crate::trace::sampling::Sequence;
 use crate::trace::{
-    Destination, Hit, Interaction, LampView, Lamps, Lights, Ray, RayHit, SpecularPath, Tint, Tracer,
+    Arrival, Destination, Hit, Interaction, LampView, Lamps, Lights, Ray, RayHit, SpecularPath, Tint, Tracer,
 };
 
 /// All it takes to gather light at a point.
@@ -185,7 +185,8 @@ impl<'a, 's> Gather<'a, 's> {
         let channels = self.tracer.scene().channels();
         let (mut irradiance, mut scratch) = (vec![0.0; channels], vec![0.0; channels]);
         let sky = lights.sky_over(self.tracer, &[place.point], place.normal);
-        lights.add_irradiance(self.tracer, (place, sky.as_ref()), || random, [&mut irradiance, &mut scratch]);
+        let here = Arrival { place: *place, sky: sky.as_ref() };
+        lights.add_irradiance(self.tracer, &here, || random, [&mut irradiance, &mut scratch]);
         DVec3::from(to_rgb(&irradiance)) * FRAC_1_PI
     }
 

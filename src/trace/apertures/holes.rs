@@ -3,6 +3,8 @@
 //! The corners are triangulated along the edges in the plane (`spade`), and a triangle is open if no opaque
 //! face lies there. Edges that cross others are left out: then triangles may be part open, part covered.
 
+use std::collections::HashMap;
+
 use glam::{DMat3, DVec2, DVec3};
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
@@ -21,61 +23,104 @@ const THIN: f64 = 1e-6;
 /// Faces this near to a triangle's middle cover it, normalised lengths.
 const NEAR: f64 = 1e-5;
 
+/// Edges times corners that are compared in a plane; a number. Chosen, not fitted: some hundredth of a second.
+const MOST_LOOKS: usize = 1 << 22;
+
 /// The holes of a plane, in triangles.
 pub fn holes(tracer: &Tracer, plane: &Plane) -> Vec<[DVec3; 3]> {
     let frame = frame_around(plane.normal);
-    let Some((corners, edges)) = drawn(tracer, plane, &frame) else { return Vec::new() };
-    let Some(triangles) = triangulated(&corners, &edges) else { return Vec::new() };
+    let Some(drawing) = Drawing::of(tracer, plane, &frame) else { return Vec::new() };
+    let Some(triangles) = drawing.divided().triangulated() else { return Vec::new() };
     let place = |p: DVec2| frame * DVec3::new(p.x, p.y, plane.height);
     let all = triangles.into_iter().map(|corners| corners.map(place));
     all.filter(|corners| is_wide(corners) && is_open(tracer, plane, corners)).collect()
 }
 
-/// The corners that lie in the plane, and the edges between them; none where there are too many.
-fn drawn(tracer: &Tracer, plane: &Plane, frame: &DMat3) -> Option<(Vec<DVec2>, Vec<[usize; 2]>)> {
-    let scene = tracer.scene();
-    let is_in_plane = |p: &DVec3| (plane.normal.dot(*p) - plane.height).abs() < STEP;
-    let (mut corners, mut edges) = (Vec::new(), Vec::new());
-    for face in (0..scene.faces().len()).filter(|&f| scene.faces()[f].state == FaceState::Kept) {
-        let of_face = tracer.corners(face);
-        let inside = of_face.map(|p| is_in_plane(&p));
-        let places = [0, 1, 2].map(|k| {
-            inside[k].then(|| {
-                let p = frame.transpose() * of_face[k];
-                corners.push(DVec2::new(p.x, p.y));
-                corners.len() - 1
-            })
-        });
-        if corners.len() > MOST_CORNERS {
-            return None;
-        }
-        let ends = [0, 1, 2].map(|k| [places[k], places[(k + 1) % 3]]);
-        edges.extend(ends.into_iter().filter_map(|[from, to]| Some([from?, to?])));
-    }
-    Some((corners, edges))
+/// The corners that lie in a plane, each once, and the edges between them.
+#[derive(Default)]
+struct Drawing {
+    corners: Vec<DVec2>,
+    edges: Vec<[usize; 2]>,
+    /// Corners by place, in steps.
+    places: HashMap<[i64; 2], usize>,
 }
 
-/// Triangles of the convex hull of these points, along edges between them.
-fn triangulated(points: &[DVec2], edges: &[[usize; 2]]) -> Option<Vec<[DVec2; 3]>> {
-    let mut mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
-    let mut handles = Vec::with_capacity(points.len());
-    for point in points {
-        // What is smaller is none, and too small for the triangulation; and what differs by rounding is one.
-        let [x, y] = point.to_array().map(|x| (x * GRID).round() / GRID + 0.0);
-        handles.push(mesh.insert(Point2::new(x, y)).ok()?);
-    }
-    for &[from, to] in edges {
-        let (from, to) = (handles[from], handles[to]);
-        if from != to && mesh.can_add_constraint(from, to) {
-            mesh.add_constraint(from, to);
+impl Drawing {
+    /// What lies in a plane; none where that is too much.
+    fn of(tracer: &Tracer, plane: &Plane, frame: &DMat3) -> Option<Self> {
+        let scene = tracer.scene();
+        let is_in_plane = |p: &DVec3| (plane.normal.dot(*p) - plane.height).abs() < STEP;
+        let mut drawing = Self::default();
+        for face in (0..scene.faces().len()).filter(|&f| scene.faces()[f].state == FaceState::Kept) {
+            let places = tracer.corners(face).map(|corner| {
+                let p = frame.transpose() * corner;
+                is_in_plane(&corner).then(|| drawing.corner(DVec2::new(p.x, p.y)))
+            });
+            if drawing.corners.len() > MOST_CORNERS {
+                return None;
+            }
+            let ends = [0, 1, 2].map(|k| [places[k], places[(k + 1) % 3]]);
+            let between = ends.into_iter().filter_map(|[from, to]| Some([from?, to?]));
+            drawing.edges.extend(between.filter(|[from, to]| from != to).map(|[a, b]| [a.min(b), a.max(b)]));
         }
+        drawing.edges.sort_unstable();
+        drawing.edges.dedup();
+        Some(drawing)
     }
-    let corner = |p: Point2<f64>| DVec2::new(p.x, p.y);
-    Some(mesh.inner_faces().map(|face| face.positions().map(corner)).collect())
-}
 
-/// Points are moved to a grid this fine, per unit of normalised length.
-const GRID: f64 = (1u64 << 30) as f64;
+    /// The corner at a place, or the one that is there already but for rounding.
+    fn corner(&mut self, at: DVec2) -> usize {
+        let step = |x: f64| (x / STEP).round() as i64;
+        let [x, y] = at.to_array().map(step);
+        let near = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [x + i, y + j]));
+        let known = near.filter_map(|place| self.places.get(&place)).next();
+        known.copied().unwrap_or_else(|| {
+            self.corners.push(at);
+            self.places.insert([x, y], self.corners.len() - 1);
+            self.corners.len() - 1
+        })
+    }
+
+    /// The same with edges divided at the corners that lie on them.
+    fn divided(mut self) -> Self {
+        if self.edges.len() * self.corners.len() > MOST_LOOKS {
+            return self;
+        }
+        let parts = |&[from, to]: &[usize; 2]| {
+            let (start, along) = (self.corners[from], self.corners[to] - self.corners[from]);
+            let length = along.length();
+            let place = |(k, &corner): (usize, &DVec2)| {
+                let (at, off) =
+                    ((corner - start).dot(along) / length, (corner - start).perp_dot(along) / length);
+                (off.abs() < 2.0 * STEP && at > -STEP && at < length + STEP).then_some((at, k))
+            };
+            let mut on_it: Vec<(f64, usize)> = self.corners.iter().enumerate().filter_map(place).collect();
+            on_it.sort_by(|a, b| a.0.total_cmp(&b.0));
+            on_it.windows(2).map(|pair| [pair[0].1, pair[1].1]).collect::<Vec<_>>()
+        };
+        self.edges = self.edges.iter().flat_map(parts).collect();
+        self
+    }
+
+    /// Triangles of the convex hull of all corners, along edges.
+    fn triangulated(&self) -> Option<Vec<[DVec2; 3]>> {
+        let mut mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
+        let mut handles = Vec::with_capacity(self.corners.len());
+        for corner in &self.corners {
+            // What is smaller than rounding is none, and too small for the triangulation.
+            let [x, y] = corner.to_array().map(|x| if x.abs() < f64::EPSILON { 0.0 } else { x });
+            handles.push(mesh.insert(Point2::new(x, y)).ok()?);
+        }
+        for ends in &self.edges {
+            let [from, to] = ends.map(|end| handles[end]);
+            if from != to && mesh.can_add_constraint(from, to) {
+                mesh.add_constraint(from, to);
+            }
+        }
+        let corner = |p: Point2<f64>| DVec2::new(p.x, p.y);
+        Some(mesh.inner_faces().map(|face| face.positions().map(corner)).collect())
+    }
+}
 
 /// Whether a triangle is more than a line.
 fn is_wide(corners: &[DVec3; 3]) -> bool {

@@ -1,4 +1,4 @@
-//! Apertures: openings through which places inside see the sky, such as windows, roof lights and doors.
+//! Apertures: openings through which places inside see sun and sky, such as windows, roof lights and doors.
 //!
 //! Where a building has few and small ones, rays by the cosine seldom find them. So directions are drawn
 //! towards apertures too, by solid angle. They only guide samples: whatever they miss is found by the other
@@ -11,6 +11,7 @@
 
 mod holes;
 mod planes;
+mod through;
 mod view;
 
 use glam::DVec3;
@@ -18,7 +19,8 @@ use rayon::prelude::*;
 
 use super::sampling::{Stream, cosine_hemisphere, frame_around, uniform_triangle};
 use super::{Ray, Tracer};
-use crate::scene::{FaceState, Side, Sky, Surface, triangle};
+use crate::scene::{FaceState, Light, Side, Sky, SkyShares, Surface, triangle};
+pub use through::Through;
 pub use view::ApertureView;
 
 /// Lines by which a candidate is judged at first, and in all if some of these pass; numbers. Chosen, not
@@ -47,7 +49,7 @@ pub(super) struct Opening {
     pub passing: f64,
 }
 
-/// The apertures of a scene; none where it has no sky, or lies open.
+/// The apertures of a scene; none where it has neither sun nor sky, or lies open.
 #[derive(Clone, Debug, Default)]
 pub struct Apertures {
     openings: Vec<Opening>,
@@ -56,7 +58,13 @@ pub struct Apertures {
 impl Apertures {
     /// Finds the apertures of a scene.
     pub(super) fn find(tracer: &Tracer) -> Self {
-        let Some(sky) = tracer.scene().sky() else { return Self::default() };
+        let scene = tracer.scene();
+        let has_sun = scene.lights().any(|light| matches!(light, Light::Sun { .. }));
+        if scene.sky().is_none() && !has_sun {
+            return Self::default();
+        }
+        // Of a sky that is dark in parts, what shows these is none.
+        let shares = scene.sky().map(Sky::shares);
         let mut candidates = panes(tracer);
         for plane in planes::planes(tracer) {
             if candidates.len() > MOST_CANDIDATES {
@@ -65,13 +73,24 @@ impl Apertures {
             candidates.extend(holes::holes(tracer, &plane));
         }
         let judged = |(number, corners): (usize, &[DVec3; 3])| {
-            Side::BOTH.map(|side| judge(tracer, sky, (number as u32, side), corners))
+            Side::BOTH.map(|side| judge(tracer, shares.as_ref(), (number as u32, side), corners))
         };
         let mut openings: Vec<Opening> =
             candidates.par_iter().enumerate().flat_map_iter(judged).flatten().collect();
         openings.sort_by(|a, b| (b.passing * b.area).total_cmp(&(a.passing * a.area)));
         openings.truncate(MOST);
         Self { openings }
+    }
+
+    /// Number of triangles.
+    pub fn len(&self) -> usize {
+        self.openings.len()
+    }
+
+    /// A point of a triangle, uniform over it, and the unit normal towards the outside.
+    pub fn point_of(&self, opening: usize, square: [f64; 2]) -> (DVec3, DVec3) {
+        let Opening { corners, normal, .. } = &self.openings[opening];
+        (triangle::point(corners, uniform_triangle(square)), -*normal)
     }
 
     /// Whether there are none.
@@ -95,16 +114,22 @@ fn panes(tracer: &Tracer) -> Vec<[DVec3; 3]> {
 }
 
 /// A candidate as an aperture for what lies on one of its sides, if it is one.
-fn judge(tracer: &Tracer, sky: &Sky, (number, inside): (u32, Side), corners: &[DVec3; 3]) -> Option<Opening> {
+fn judge(
+    tracer: &Tracer,
+    sky: Option<&SkyShares>,
+    (number, inside): (u32, Side),
+    corners: &[DVec3; 3],
+) -> Option<Opening> {
     let front = triangle::normal(corners);
     let normal = if inside == Side::Front { front } else { -front };
-    let (shares, channels) = (sky.shares(), tracer.scene().channels());
+    let channels = tracer.scene().channels();
     let sequence = Stream::Apertures.sequence(0, number, u64::from(inside == Side::Back));
     let frame = frame_around(normal);
     let mut left = vec![1.0; channels];
     let mut sees_sky = |ray: &Ray| {
         left.fill(1.0);
-        shares.from(ray.direction) > 0.0 && tracer.passes(ray, f64::INFINITY, &mut left)
+        sky.is_none_or(|shares| shares.from(ray.direction) > 0.0)
+            && tracer.passes(ray, f64::INFINITY, &mut left)
     };
     let mut passes = |point: u32| {
         let [s, t, x, y] = sequence.point(point);

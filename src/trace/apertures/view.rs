@@ -3,8 +3,9 @@
 use glam::DVec3;
 
 use super::{Apertures, Opening};
-use crate::trace::sampling::Discrete;
-use crate::trace::solid_angle::{towards_triangle, triangle_pdf};
+use crate::scene::{distance_to, triangle};
+use crate::trace::sampling::{Discrete, uniform_triangle};
+use crate::trace::solid_angle::{surroundings, target_density, towards_triangle, triangle_pdf};
 use crate::trace::{IN_PLANE, can_face, form_factor_estimate};
 
 /// The most triangles of apertures that a surface looks at: those that matter most. Chosen, not fitted.
@@ -14,11 +15,20 @@ const MOST_SEEN: usize = 16;
 /// Chosen, not fitted.
 const LEAST_SEEN: f64 = 1e-3;
 
+/// Apertures with less than so many times a triangle's area are small beside it; a number. Chosen, not fitted.
+const SMALL: f64 = 4.0;
+
+/// Directions that miss a triangle by no more than this meet its rim, rad: what was drawn on the rim must not
+/// be taken for drawn in another way, or it would count for a thousand others.
+const RIM: f64 = 1e-13;
+
 /// Apertures as seen from a surface.
 #[derive(Clone, Debug, Default)]
 pub struct ApertureView<'a> {
     seen: Vec<&'a Opening>,
     chances: Discrete,
+    /// Whether one is so small and near to the surface that it lights up a part of it alone.
+    is_near: bool,
 }
 
 impl Apertures {
@@ -40,7 +50,14 @@ impl Apertures {
         let most = seen.first().map_or(0.0, |&(_, worth)| worth);
         seen.retain(|&(_, worth)| worth > LEAST_SEEN * most);
         let chances = Discrete::new(seen.iter().map(|&(_, worth)| worth)).normalised();
-        ApertureView { seen: seen.into_iter().map(|(opening, _)| opening).collect(), chances }
+        let seen: Vec<&Opening> = seen.into_iter().map(|(opening, _)| opening).collect();
+        let near = |corners: &[DVec3; 3]| {
+            let ((centre, reach), most) = (surroundings(corners), SMALL * triangle::area(corners));
+            let is_near = |corners: &[DVec3; 3]| distance_to(centre, corners, reach) <= reach;
+            seen.iter().any(|opening| opening.area < most && is_near(&opening.corners))
+        };
+        let is_near = corners.try_into().is_ok_and(near);
+        ApertureView { seen, chances, is_near }
     }
 }
 
@@ -48,6 +65,31 @@ impl ApertureView<'_> {
     /// Whether no aperture is above the horizon.
     pub fn is_empty(&self) -> bool {
         self.seen.is_empty()
+    }
+
+    /// Whether one is so small and near to the surface that it lights up a part of it alone.
+    pub fn is_near(&self) -> bool {
+        self.is_near
+    }
+
+    /// A point of an aperture, uniform over each of its triangles.
+    #[inline]
+    pub fn point(&self, [u, v]: [f64; 2]) -> DVec3 {
+        let (k, fresh) = self.chances.draw(u);
+        triangle::point(&self.seen[k].corners, uniform_triangle([fresh, v]))
+    }
+
+    /// Density of a ray that leads from a point of the triangle with these corners, drawn as [`target`] of a
+    /// [point of an aperture](ApertureView::point), to that point: per unit of solid angle, and relative to a
+    /// uniform one over the triangle.
+    #[inline]
+    pub fn target_pdf(&self, corners: &[DVec3; 3], point: DVec3, direction: DVec3) -> f64 {
+        let pdf = |(k, opening): (usize, &&Opening)| {
+            let Some((distance, cosine)) = opening.met_along(point, direction) else { return 0.0 };
+            let density = target_density(point + distance * direction, corners, point);
+            self.chances.weight(k) * density * distance * distance / (cosine * opening.area)
+        };
+        self.seen.iter().enumerate().map(pdf).sum()
     }
 
     /// A direction from a point of the surface to an aperture.
@@ -66,19 +108,26 @@ impl ApertureView<'_> {
 }
 
 impl Opening {
+    /// Whether the line through a point in a direction meets it.
+    #[inline]
+    pub(super) fn is_met(&self, point: DVec3, direction: DVec3) -> bool {
+        let [a, b, c] = self.corners.map(|corner| corner - point);
+        let turns = [a.cross(b), b.cross(c), c.cross(a)].map(|across| across.dot(direction));
+        let least = RIM * a.length_squared().max(b.length_squared()).max(c.length_squared());
+        turns.iter().all(|&turn| turn >= -least) || turns.iter().all(|&turn| turn <= least)
+    }
+
+    /// The distance at which a direction from a point inside meets it, and the cosine there.
+    #[inline]
+    fn met_along(&self, point: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+        let (height, cosine) = (self.normal.dot(point - self.corners[0]), -self.normal.dot(direction));
+        let is_met = height > IN_PLANE && cosine > 0.0 && self.is_met(point, direction);
+        is_met.then(|| (height / cosine, cosine))
+    }
+
     /// Density of a direction that is drawn towards it.
     #[inline]
     fn pdf(&self, point: DVec3, direction: DVec3) -> f64 {
-        let [a, b, c] = self.corners.map(|corner| corner - point);
-        let (height, cosine) = (-self.normal.dot(a), -self.normal.dot(direction));
-        if height <= IN_PLANE || cosine <= 0.0 {
-            return 0.0;
-        }
-        let turns = [a.cross(b), b.cross(c), c.cross(a)].map(|across| across.dot(direction));
-        let is_met = turns.iter().all(|&turn| turn >= 0.0) || turns.iter().all(|&turn| turn <= 0.0);
-        if !is_met {
-            return 0.0;
-        }
-        triangle_pdf(point, &self.corners, (height / cosine, cosine))
+        self.met_along(point, direction).map_or(0.0, |along| triangle_pdf(point, &self.corners, along))
     }
 }

@@ -10,7 +10,7 @@ use crate::scene::Light;
 use crate::scene::triangle;
 use crate::trace::sampling::{frame_around, uniform_disc, uniform_spherical_triangle, uniform_triangle};
 use crate::trace::solid_angle::solid_angle;
-use crate::trace::{IN_PLANE, Interaction, Tracer};
+use crate::trace::{IN_PLANE, Interaction, Through, Tracer};
 
 /// A triangle that fills more than this, sr, seen from a light over it by less than this part of the root of
 /// its area, is lit so unevenly that points of it are drawn by solid angle.
@@ -43,6 +43,12 @@ pub(crate) enum Place {
     At(DVec3),
     /// Infinitely far in this direction, within a disc whose radius has this sine.
     Towards(DVec3, f64),
+}
+
+/// Where light arrives, and how the sky is looked for from there, as [`Lights::sky_over`] has it.
+pub(crate) struct Arrival<'a> {
+    pub place: Interaction<'a>,
+    pub sky: Option<&'a SkyView<'a>>,
 }
 
 /// A way on which light may reach a point.
@@ -79,7 +85,7 @@ impl Lights {
         let scene = tracer.scene();
         let lamps: Vec<Source> = scene.lights().map(source).collect();
         let sky = scene.sky().map(SkySampler::new);
-        if sky.is_some() {
+        if sky.is_some() || lamps.iter().any(|lamp| matches!(lamp.place, Place::Towards(..))) {
             // Before threads ask for them: what finds them is itself many threads.
             tracer.apertures();
         }
@@ -110,6 +116,11 @@ impl Lights {
     pub(crate) fn light(&self, light: usize) -> (&Light, Place) {
         let source = &self.lamps[light];
         (&source.light, source.place)
+    }
+
+    /// Whether a light is a sun, which has no place.
+    pub fn is_sun(&self, light: usize) -> bool {
+        matches!(self.lamps[light].place, Place::Towards(..))
     }
 
     /// A beam from a light to a point, by two random numbers.
@@ -205,7 +216,8 @@ impl Lights {
         [s, weight(b - a, point - a).min(1.0 - s)]
     }
 
-    /// The sky as it is looked for from a flat surface with these corners, or this one point, and this normal.
+    /// The sky as it is looked for from a flat surface with these corners, or this one point, and this
+    /// normal.
     pub fn sky_over<'a>(
         &'a self,
         tracer: &'a Tracer,
@@ -215,13 +227,27 @@ impl Lights {
         self.sky.as_ref().map(|sky| sky.view(tracer.apertures(), corners, normal))
     }
 
+    /// The apertures through which a sun may reach a triangle with this normal.
+    pub fn sun_through<'a>(
+        &self,
+        light: usize,
+        tracer: &'a Tracer,
+        corners: &[DVec3; 3],
+        normal: DVec3,
+    ) -> Through<'a> {
+        match self.lamps[light].place {
+            Place::At(_) => Through::default(),
+            Place::Towards(axis, sine) => tracer.apertures().through((axis, sine), corners, normal),
+        }
+    }
+
     /// Adds to `irradiance` (per channel, W·m⁻²) what reaches a point of a face's side, by one beam from each
-    /// light and one from the sky, as [`Lights::sky_over`] the place has it; unbiased. `random` gives numbers
+    /// light and one from the sky, unbiased. `random` gives numbers
     /// for each; `scratch` has a value a channel.
     pub(crate) fn add_irradiance(
         &self,
         tracer: &Tracer,
-        (place, sky): (&Interaction, Option<&SkyView>),
+        Arrival { place, sky }: &Arrival,
         mut random: impl FnMut() -> [f64; 2],
         [irradiance, scratch]: [&mut [f64]; 2],
     ) {

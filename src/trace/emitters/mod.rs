@@ -8,6 +8,7 @@ mod shots;
 mod sky;
 
 pub use lamps::{LampPoint, LampView, Lamps};
+pub(crate) use lights::Arrival;
 pub use lights::{Beam, Lights};
 pub use shots::{Shot, SkyShot, Targets};
 pub use sky::{SkyBeam, SkySampler, SkyView};

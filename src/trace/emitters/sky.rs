@@ -6,9 +6,12 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 
 use super::environment::EnvironmentSampler;
-use crate::scene::{Environment, Sky, SkyKind, SkyShares};
+use crate::scene::{Environment, Sky, SkyKind, SkyShares, triangle};
 use crate::trace::apertures::{ApertureView, Apertures};
-use crate::trace::sampling::{Discrete, cosine_hemisphere, cosine_hemisphere_pdf, frame_around};
+use crate::trace::sampling::{
+    Discrete, SEQUENCE_END, cosine_hemisphere, cosine_hemisphere_pdf, frame_around, uniform_triangle,
+};
+use crate::trace::solid_angle::target;
 
 /// Cells of equal solid angle by which brightness is known: rings from zenith to nadir, and parts of each.
 const RINGS: usize = 64;
@@ -68,7 +71,45 @@ pub struct SkyView<'a> {
 /// fitted: where all comes through these the others are lost, and where nothing does these are.
 const TO_APERTURES: f64 = 0.5;
 
+/// The part of rays that is drawn from apertures to a triangle near them; a pure number. Chosen, not fitted.
+const FROM_APERTURES: f64 = 0.5;
+
+/// So many times as many rays go into the sky from triangles that small apertures near them light up in part;
+/// a number. Chosen, not fitted: there are few of these.
+const MORE_RAYS: u32 = 8;
+
 impl SkyView<'_> {
+    /// Rays to be drawn over a triangle, where others have so many.
+    pub fn rays(&self, usual: u32) -> u32 {
+        if self.apertures.is_near() { usual.saturating_mul(MORE_RAYS).min(SEQUENCE_END) } else { usual }
+    }
+
+    /// A point of a triangle of the surface, as weights of its second and third corner, drawn by four random
+    /// numbers together with a direction in which light from the sky may reach it; and what it brings, on
+    /// average over the triangle, where nothing hides it.
+    #[inline]
+    pub fn sample_over(&self, corners: &[DVec3; 3], [s, t, u, v]: [f64; 4]) -> ([f64; 2], SkyBeam) {
+        if !self.apertures.is_near() {
+            let at = uniform_triangle([s, t]);
+            return (at, self.sample(triangle::point(corners, at), [u, v]));
+        }
+        let (at, direction) = if u < FROM_APERTURES {
+            let from = self.apertures.point([u / FROM_APERTURES, v]);
+            let to = target(from, corners, [s, t]);
+            (to.barycentrics, (from - to.point).normalize_or(self.normal))
+        } else {
+            let at = uniform_triangle([s, t]);
+            let square = [(u - FROM_APERTURES) / (1.0 - FROM_APERTURES), v];
+            (at, self.draw(triangle::point(corners, at), square))
+        };
+        let point = triangle::point(corners, at);
+        let pdf = |cosine: f64| {
+            let from_apertures = self.apertures.target_pdf(corners, point, direction);
+            (1.0 - FROM_APERTURES) * self.pdf(point, direction, cosine) + FROM_APERTURES * from_apertures
+        };
+        (at, self.sky.beam(self.normal, direction, pdf))
+    }
+
     /// A direction in which light from the sky may reach a point of the surface, and what it brings where
     /// nothing hides it.
     #[inline]
@@ -76,15 +117,22 @@ impl SkyView<'_> {
         if self.apertures.is_empty() {
             return self.sky.sample(self.normal, [u, v]);
         }
-        let direction = match u < TO_APERTURES {
+        let direction = self.draw(point, [u, v]);
+        self.sky.beam(self.normal, direction, |cosine| self.pdf(point, direction, cosine))
+    }
+
+    #[inline]
+    fn draw(&self, point: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+        match u < TO_APERTURES {
             true => self.apertures.sample(point, [u / TO_APERTURES, v]),
             false => self.sky.draw(self.normal, [(u - TO_APERTURES) / (1.0 - TO_APERTURES), v]),
-        };
-        let pdf = |cosine: f64| {
-            let by_sky = self.sky.pdf_of(cosine, direction);
-            (1.0 - TO_APERTURES) * by_sky + TO_APERTURES * self.apertures.pdf(point, direction)
-        };
-        self.sky.beam(self.normal, direction, pdf)
+        }
+    }
+
+    #[inline]
+    fn pdf(&self, point: DVec3, direction: DVec3, cosine: f64) -> f64 {
+        let by_sky = self.sky.pdf_of(cosine, direction);
+        (1.0 - TO_APERTURES) * by_sky + TO_APERTURES * self.apertures.pdf(point, direction)
     }
 }
 

@@ -38,7 +38,7 @@ streams! {
     LampShots = 2,
     /// Points on a patch and on lights without area: stretches by slot; the light.
     Lights = 3,
-    /// Directions from a patch into the sky: stretches by slot.
+    /// Directions from a patch into the sky: stretches by slot; 0, or 1 where there are more of them.
     Sky = 4,
     /// Shots from lights without area at carriers: the light; block and part.
     LightShots = 5,
@@ -94,6 +94,11 @@ streams! {
     Placement = 31,
     /// Points on bright patches seen from receivers: stretches by point; the batch.
     ReceiverBright = 33,
+    /// Rays from suns and the sky by which they are found to reach slots: the aperture; twice the light, plus 1
+    /// for those on all of the scene.
+    ReachingRays = 35,
+    /// Points on a patch and on apertures through which sun may come: 0; the light.
+    SunThrough = 34,
     /// Lines by which apertures are judged: the candidate; the side.
     Apertures = 32,
     /// What callers of this library draw for purposes of their own, tests among them: anything; anything.

@@ -10,7 +10,7 @@
 use glam::DVec3;
 
 use super::coat::Coat;
-use super::fresnel::{Pane, fresnel, pane};
+use super::fresnel::{fresnel, through_pane};
 use super::gloss::Gloss;
 use super::tint::Tint;
 use crate::scene::{Side, Surface};
@@ -149,13 +149,11 @@ impl<'s> Tracer<'s> {
                 (way(reflected, share, None), Some(way(refracted, 1.0 - share, Some(Tint::of(filter)))))
             }
             Surface::Pane { index, filter } => {
-                // What goes in crosses two surfaces on either way and is dimmed by the filter. The mean of its
-                // channels tells how much comes back; that of each channel lies on the line to white.
-                let clear = Tint::of(filter).mean();
-                let Pane { through, back } = pane(cosine, *index, clear);
+                // What goes in crosses two surfaces on either way and is dimmed by the filter f: of each
+                // polarization (1 − R)/(1 + R) f goes through and R + R (1 − R)/(1 + R) f comes back.
+                let through = through_pane(cosine, *index);
                 let share = 1.0 - through;
-                let white = if clear < 1.0 { (back / share - clear) / (1.0 - clear) } else { 0.0 };
-                let back = Tint::towards_white(filter, white.clamp(0.0, 1.0));
+                let back = Tint::towards_white(filter, fresnel(cosine, *index) / share);
                 let second = way(ray.direction, through, Some(Tint::of(filter)));
                 (way(reflected, share, Some(back)), Some(second))
             }

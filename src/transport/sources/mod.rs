@@ -12,6 +12,7 @@ mod receivers;
 
 use std::f64::consts::PI;
 
+use glam::DVec3;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -22,7 +23,7 @@ use crate::patches::{Basis, Facet, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::scene::triangle;
 use crate::trace::sampling::Stream;
-use crate::trace::{Lights, Ray, SkyBeam, Tracer, sampling};
+use crate::trace::{Lights, Ray, SkyBeam, Through, Tracer, sampling};
 pub use carried_light::CarriedLight;
 use carried_light::Measured;
 pub(crate) use lamp_flux::LampFlux;
@@ -247,8 +248,37 @@ struct LightLook<'a> {
     light: usize,
     slot: u32,
     facet: Facet<'a>,
-    /// The light's mean density there, if known.
+    /// The light's mean density there, if known and asked for.
     mean: Option<f64>,
+    /// Apertures through which the light may come.
+    through: Through<'a>,
+    rays: u32,
+}
+
+/// So many times as many points of a patch look at a light that may come through apertures: their edges are
+/// seen on it. Chosen, not fitted: most such points miss the patch and cost no ray.
+const MORE_POINTS: u32 = 32;
+
+/// The part of points on a patch that is drawn where light comes through apertures, if it may; a pure number.
+/// Chosen, not fitted.
+const THROUGH_APERTURES: f64 = 0.75;
+
+impl LightLook<'_> {
+    /// A point of the patch on which light from a direction falls, and its density, relative to a uniform
+    /// one.
+    fn point_under(&self, towards: DVec3, [s, t]: [f64; 2]) -> Option<([f64; 2], f64)> {
+        let Facet { corners, normal, .. } = &self.facet;
+        if self.through.is_empty() {
+            return Some((sampling::uniform_triangle([s, t]), 1.0));
+        }
+        let at = match s < THROUGH_APERTURES {
+            true => self.through.sample(towards, corners, [s / THROUGH_APERTURES, t])?,
+            false => sampling::uniform_triangle([(s - THROUGH_APERTURES) / (1.0 - THROUGH_APERTURES), t]),
+        };
+        let through = self.through.pdf(towards, triangle::point(corners, at), *normal);
+        let density = 1.0 - THROUGH_APERTURES + THROUGH_APERTURES * through * triangle::area(corners);
+        Some((at, density))
+    }
 }
 
 impl LooksForLight for Look<'_> {
@@ -277,7 +307,13 @@ impl LooksForLight for Look<'_> {
             if mean == Some(0.0) {
                 continue;
             }
-            let mut seen = self.seen_of(LightLook { light, slot, facet, mean }, &phi);
+            let through = self.lights.sun_through(light, self.tracer, &facet.corners, facet.normal);
+            // Points that are drawn unevenly are not to be scaled.
+            let mean = mean.filter(|_| through.is_empty());
+            let more = if through.is_empty() { 1 } else { MORE_POINTS };
+            let rays =
+                self.rays.div_ceil(RAYS_PER_LIGHT_RAY).saturating_mul(more).min(sampling::SEQUENCE_END);
+            let mut seen = self.seen_of(&LightLook { light, slot, facet, mean, through, rays }, &phi);
             let whole: f64 = seen[0].whole.iter().sum();
             // Scale to what is known of all rays together.
             let scale = match mean {
@@ -285,52 +321,47 @@ impl LooksForLight for Look<'_> {
                 Some(_) => 0.0,
                 None => {
                     seen.iter_mut().for_each(|seen| seen.whole = [1.0; PARTS]);
-                    1.0 / f64::from(self.rays_to_light())
+                    1.0 / f64::from(rays)
                 }
             };
             add(&seen, scale, self.lights.power(light));
         }
         if let Some(view) = self.lights.sky_over(self.tracer, &facet.corners, facet.normal) {
-            let (sequence, points) = Stream::Sky.stretch(self.seed, slot, 0, self.rays);
+            let rays = view.rays(self.rays);
+            let (sequence, points) = Stream::Sky.stretch(self.seed, slot, u64::from(rays != self.rays), rays);
             let even = Parts::<N> { whole: [1.0; PARTS], ..Default::default() };
             let mut seen = vec![even; self.channels];
             let first = points.start;
             for k in points {
-                let [s, t, u, v] = sequence.point(k);
-                let [s, t] = sampling::uniform_triangle([s, t]);
-                let origin = triangle::point(&facet.corners, [s, t]);
-                let SkyBeam { direction, weight, tint } = view.sample(origin, [u, v]);
+                let (at, beam) = view.sample_over(&facet.corners, sequence.point(k));
+                let SkyBeam { direction, weight, tint } = beam;
+                let origin = triangle::point(&facet.corners, at);
                 let ray = Ray { origin, direction, from: facet.face };
                 left.fill(1.0);
                 if weight > 0.0 && self.tracer.passes(&ray, f64::INFINITY, &mut left) {
-                    let part = ((k - first) as usize * PARTS) / self.rays as usize;
+                    let part = ((k - first) as usize * PARTS) / rays as usize;
                     let weight = weight * facet.weight(direction);
                     for (c, (seen, left)) in seen.iter_mut().zip(&left).enumerate() {
                         let tint = tint.map_or(1.0, |tint| tint[c]);
-                        seen.add(part, weight * tint * left, phi([s, t]));
+                        seen.add(part, weight * tint * left, phi(at));
                     }
                 }
             }
-            add(&seen, 1.0 / f64::from(self.rays), view.sky.zenith());
+            add(&seen, 1.0 / f64::from(rays), view.sky.zenith());
         }
     }
 }
 
 impl Look<'_> {
-    /// Rays of a patch to each light.
-    fn rays_to_light(&self) -> u32 {
-        self.rays.div_ceil(RAYS_PER_LIGHT_RAY)
-    }
-
     /// What rays from a patch to a light find, each weighted by what it would bring if nothing stood in its
     /// way.
-    fn seen_of<const N: usize>(
-        &self,
-        LightLook { light, slot, facet, mean }: LightLook,
-        phi: impl Fn([f64; 2]) -> [f64; N],
-    ) -> Vec<Parts<N>> {
-        let rays = self.rays_to_light();
-        let (sequence, points) = Stream::Lights.stretch(self.seed, slot, light as u64, rays);
+    fn seen_of<const N: usize>(&self, look: &LightLook, phi: impl Fn([f64; 2]) -> [f64; N]) -> Vec<Parts<N>> {
+        let &LightLook { light, slot, facet, mean, rays, .. } = look;
+        let (sequence, points) = match look.through.is_empty() {
+            true => Stream::Lights.stretch(self.seed, slot, light as u64, rays),
+            // All patches look through the same points of apertures: so each of these lights one patch.
+            false => Stream::SunThrough.stretch(self.seed, 0, light as u64, rays),
+        };
         let mut seen = vec![Parts::<N>::default(); self.channels];
         // What thin glass leaves of a ray, per channel.
         let mut left = vec![1.0; self.channels];
@@ -338,14 +369,17 @@ impl Look<'_> {
         let first = points.start;
         for k in points {
             let [s, t, u, v] = sequence.point(k);
-            // Draw a point by solid angle or by area.
-            let at = match is_near {
-                true => self.lights.point_near(light, &facet.corners, facet.normal, [s, t]),
-                false => sampling::uniform_triangle([s, t]),
+            // Draw a point by solid angle, by area, or through an aperture.
+            let (at, beam, weight) = if is_near {
+                let at = self.lights.point_near(light, &facet.corners, facet.normal, [s, t]);
+                (at, self.lights.beam(light, triangle::point(&facet.corners, at), [u, v]), 1.0)
+            } else {
+                let towards = self.lights.beam(light, facet.centre(), [u, v]).direction;
+                let Some((at, density)) = look.point_under(towards, [s, t]) else { continue };
+                let beam = self.lights.beam(light, triangle::point(&facet.corners, at), [u, v]);
+                (at, beam, beam.density * facet.normal.dot(beam.direction) / density)
             };
             let point = triangle::point(&facet.corners, at);
-            let beam = self.lights.beam(light, point, [u, v]);
-            let weight = if is_near { 1.0 } else { beam.density * facet.normal.dot(beam.direction) };
             if !(weight > 0.0 && weight.is_finite()) {
                 continue;
             }

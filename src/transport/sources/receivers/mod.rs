@@ -1,8 +1,8 @@
 //! Receivers: rows without columns, the irradiance of points that are no patches.
 //!
 //! Each point sends cosine-distributed rays and looks straight at lamps, at apertures and at what is much
-//! brighter than most; ways of drawing a direction are joined by the balance heuristic (Veach & Guibas 1995,
-//! eq. 14). Such rays find the sky by way of mirrors, metals and glass, too; what lights without area send
+//! brighter than most; ways of drawing a direction are joined by heuristics (Veach & Guibas 1995, eq. 14 and
+//! 16). Such rays find the sky by way of mirrors, metals and glass, too; what lights without area send
 //! that way is caught as it crosses the cell around a point. What comes of it is a row of form factors to
 //! patches, which any radiance on them turns into irradiance.
 //!

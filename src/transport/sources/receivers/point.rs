@@ -1,6 +1,6 @@
 //! A receiver's point: what its rays find.
 
-use std::f64::consts::{FRAC_1_PI, PI};
+use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
@@ -8,9 +8,12 @@ use nalgebra::DMatrix;
 use super::BATCHES;
 use crate::patches::{Basis, BrightParts, BrightView, Patches};
 use crate::scene::{Side, triangle};
-use crate::trace::sampling::{Sequence, Stream, cosine_hemisphere, frame_around};
+use crate::trace::sampling::{
+    Sampler, Stream, cosine_hemisphere, cosine_hemisphere_pdf, frame_around, power_heuristic,
+};
 use crate::trace::{
-    Destination, Hit, Interaction, LampView, Lamps, Lights, Ray, RayHit, SkyView, Tint, Tracer, geometry_term,
+    Arrival, Destination, Hit, Interaction, LampView, Lamps, Lights, Ray, RayHit, SkyView, Tint, Tracer,
+    geometry_term,
 };
 use crate::transport::rows::Tones;
 
@@ -110,7 +113,7 @@ impl Gather<'_, '_> {
         for k in points {
             let [x, y, u, v] = sequence.point(k);
             let direction = place.frame * cosine_hemisphere([x, y]);
-            self.add_ray(place, direction, (sequence, k), found);
+            self.add_ray(place, direction, Sampler { sequence, point: k, set: 1 }, found);
             let Some(lamp) = self.lamps.sample(lamps, [u, v]) else { continue };
             let g = geometry_term((point, self.normal), (lamp.point, lamp.normal));
             if g > 0.0 && self.tracer.unoccluded((point, Ray::FREE), (lamp.point, lamp.face)) {
@@ -121,7 +124,7 @@ impl Gather<'_, '_> {
     }
 
     /// Adds what a ray finds, by way of carriers too.
-    fn add_ray(&self, place: &Place, direction: DVec3, (sequence, k): (Sequence, u32), found: &mut Found) {
+    fn add_ray(&self, place: &Place, direction: DVec3, mut numbers: Sampler, found: &mut Found) {
         let ray = Ray { origin: place.point, direction, from: Ray::FREE };
         let rays = f64::from(self.rays);
         let mut colour = vec![1.0; self.tones.len()];
@@ -130,7 +133,7 @@ impl Gather<'_, '_> {
             None => Destination::Away(ray),
             Some(hit) if !self.tracer.may_go_on(hit.face) => Destination::Diffuse { hit, carried: false },
             Some(hit) => {
-                let numbers = |carrier: u32| sequence.dimensions(k, carrier + 1);
+                let numbers = |_: u32| numbers.next();
                 // Dimmed in each tone.
                 let dims = |tint: Tint, _: f64| {
                     colour
@@ -173,8 +176,8 @@ impl Gather<'_, '_> {
             // What lamp samples can't face is left to rays.
             return if g > 0.0 { g / (rays * (g + self.lamps.pdf(&place.lamps, face))) } else { 1.0 / rays };
         }
-        let by_cosine = self.normal.dot(direction) * FRAC_1_PI;
-        by_cosine / (rays * (by_cosine + self.bright.pdf(&place.bright, place.point, direction, hit)))
+        let by_part = self.bright.pdf(&place.bright, place.point, direction, hit);
+        power_heuristic(cosine_hemisphere_pdf(self.normal.dot(direction)), by_part) / rays
     }
 
     /// Adds what points drawn on bright patches bring.
@@ -188,14 +191,15 @@ impl Gather<'_, '_> {
         for k in points {
             let [u, v, ..] = sequence.point(k);
             let Some(to) = self.bright.sample(&place.bright, place.point, [u, v]) else { continue };
-            let by_cosine = self.normal.dot(to.direction) * FRAC_1_PI;
+            let by_cosine = cosine_hemisphere_pdf(self.normal.dot(to.direction));
             if by_cosine <= 0.0 {
                 continue;
             }
             let ray = Ray { origin: place.point, direction: to.direction, from: Ray::FREE };
+            let weight = by_cosine / to.pdf * power_heuristic(to.pdf, by_cosine) / rays;
             if let Some(hit) = self.tracer.closest_hit(&ray).filter(|hit| hit.face == to.face) {
                 let there = self.on_patch(hit.face as usize, hit.side, hit.barycentrics);
-                self.push(&mut found.rows, there, |_| by_cosine / (rays * (by_cosine + to.pdf)));
+                self.push(&mut found.rows, there, |_| weight);
             }
         }
     }
@@ -205,20 +209,15 @@ impl Gather<'_, '_> {
         let Some(lights) = &self.lights else { return };
         let (sequence, points) =
             Stream::ReceiverLights.stretch(self.seed, number, u64::from(batch), self.rays / BATCHES);
-        let here = Interaction {
-            face: Ray::FREE,
-            side: Side::Front,
-            point: place.point,
-            normal: self.normal,
-            coat: None,
-        };
+        let (point, normal) = (place.point, self.normal);
+        let free = Interaction { face: Ray::FREE, side: Side::Front, point, normal, coat: None };
+        let here = Arrival { place: free, sky: place.sky.as_ref() };
         let mut arrived = vec![0.0; direct.len()];
         for k in points {
             let [u, v, s, t] = sequence.point(k);
             let mut numbers = [[u, v], [s, t]].into_iter().cycle();
             let mut random = || numbers.next().unwrap_or([u, v]);
-            let seen = (&here, place.sky.as_ref());
-            lights.add_irradiance(self.tracer, seen, &mut random, [&mut arrived, scratch]);
+            lights.add_irradiance(self.tracer, &here, &mut random, [&mut arrived, scratch]);
         }
         direct.iter_mut().zip(arrived).for_each(|(sum, h)| *sum += h / f64::from(self.rays));
     }
