@@ -23,7 +23,7 @@ use glam::{DVec2, DVec3};
 
 pub use camera::Camera;
 pub use feature::Feature;
-pub use light::{Environment, IntensityTable, Light, Sky, SkyKind, SkyShares};
+pub use light::{Environment, GeneralSky, IntensityTable, Light, Sky, SkyKind, SkyShares};
 pub use material::{Beyond, FaceTexture, Material, Pixels, Sheet, Surface, Texture, Textures};
 pub use photometry::{EFFICACY, luminance};
 pub use receiver::Receiver;

@@ -118,10 +118,7 @@ fn receivers_see_small_sunlit_spots_and_know_their_error() {
             let exact = 50.0 * seen;
             let got = found.irradiance[i];
             assert!((got / exact - 1.0).abs() < 0.02, "{edge} {i}: {got} {exact}");
-            let [own, _] = found.rows.noise();
-            let count = own.len() as f64;
-            let error =
-                (own.iter().map(|more| more[i].powi(2)).sum::<f64>() / (count * (count - 1.0))).sqrt();
+            let error = found.rows.noise().variance(|field| field[i]).sqrt();
             z.push((got - exact) / error);
         }
     }

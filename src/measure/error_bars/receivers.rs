@@ -3,16 +3,15 @@
 use nalgebra::DMatrix;
 
 use super::fields::Fields;
-use super::noise;
-use crate::transport::Received;
+use crate::transport::{Received, ReceiverNoise};
 
 /// How wrong what a receiver measures may be.
 #[derive(Clone, Debug)]
 pub struct ReceiverBars {
     /// One standard error of each point's irradiance, m × c, W·m⁻².
     pub points: DMatrix<f64>,
-    /// Samples of the noise of its own rays, by what it comes from.
-    own: Vec<Vec<DMatrix<f64>>>,
+    /// The noise of its own rays.
+    own: ReceiverNoise,
     /// What errors of the light that patches send out change.
     sent: Fields,
     /// What all errors of the mesh have in common, as a part of irradiance.
@@ -24,7 +23,7 @@ impl ReceiverBars {
     /// Those of what a receiver measures, to which errors of what patches send out do this.
     pub(super) fn new(received: &Received, sent: Fields, common: f64) -> Self {
         let irradiance = received.irradiance.clone();
-        let own = received.rows.noise().map(<[_]>::to_vec).to_vec();
+        let own = received.rows.noise().clone();
         let (points, channels) = irradiance.shape();
         let mut bars = Self { points: DMatrix::zeros(0, 0), own, sent, common, irradiance };
         bars.points = DMatrix::from_fn(points, channels, |i, c| bars.standard_error(|field| field[(i, c)]));
@@ -34,7 +33,6 @@ impl ReceiverBars {
     /// One standard error of a linear function of the points' irradiance (m × c), in its unit.
     pub fn standard_error(&self, of: impl Fn(&DMatrix<f64>) -> f64) -> f64 {
         let common = self.common * of(&self.irradiance);
-        let own: f64 = self.own.iter().map(|batches| noise::variance_of(batches, &of)).sum();
-        (own + self.sent.squared(&of) + common * common).sqrt()
+        (self.own.variance(&of) + self.sent.squared(&of) + common * common).sqrt()
     }
 }

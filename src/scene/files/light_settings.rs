@@ -16,7 +16,9 @@ use super::beside::Beside;
 use super::colour::Colour;
 use super::picture_file;
 use super::text::decode;
-use crate::scene::light::{Environment, IntensityTable, SPHERE, Sky, SkyKind, check_power, spot_solid_angle};
+use crate::scene::light::{
+    Environment, GeneralSky, IntensityTable, SPHERE, Sky, SkyKind, check_power, spot_solid_angle,
+};
 use crate::scene::photometry::luminance;
 use crate::scene::{Light, Pixels};
 
@@ -73,14 +75,35 @@ pub(crate) enum LightSettings {
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub(crate) enum SkySettings {
     Constant {
+        #[serde(default = "super::settings::y_up")]
+        up: [f64; 3],
+        /// If not given the sky shines from below, too.
+        ground: Option<f64>,
         radiance: Option<Colour>,
         luminance: Option<f64>,
+        irradiance: Option<Colour>,
+        illuminance: Option<f64>,
         #[serde(alias = "color")]
         colour: Option<Colour>,
     },
     Overcast {
         #[serde(default = "super::settings::y_up")]
         up: [f64; 3],
+        #[serde(default)]
+        ground: f64,
+        radiance: Option<Colour>,
+        luminance: Option<f64>,
+        irradiance: Option<Colour>,
+        illuminance: Option<f64>,
+        #[serde(alias = "color")]
+        colour: Option<Colour>,
+    },
+    /// One of the CIE standard general skies, or 16 for the traditional overcast one.
+    Cie {
+        r#type: usize,
+        #[serde(default = "super::settings::y_up")]
+        up: [f64; 3],
+        sun: Option<[f64; 3]>,
         #[serde(default)]
         ground: f64,
         radiance: Option<Colour>,
@@ -250,9 +273,19 @@ impl SkySettings {
     pub fn sky(&self, world: &mut World) -> Result<Sky, String> {
         let efficacy = world.efficacy;
         let (mut sky, [radiance, irradiance], [luminance, illuminance], colour) = match self {
-            Self::Constant { radiance, luminance, colour } => {
-                let sky = Sky { kind: SkyKind::Constant, up: DVec3::Y, zenith: vec![0.0; 3], ground: 0.0 };
-                (sky, [radiance, &None], [luminance, &None], colour)
+            Self::Constant { up, ground, radiance, luminance, irradiance, illuminance, colour } => {
+                let up = DVec3::from(*up).normalize_or_zero();
+                // Over ground it is the even one of the general skies.
+                let even = || GeneralSky::new(EVEN, up).map_or(SkyKind::Constant, SkyKind::General);
+                let kind = if ground.is_some() { even() } else { SkyKind::Constant };
+                let sky = Sky { kind, up, zenith: vec![0.0; 3], ground: ground.unwrap_or(0.0) };
+                (sky, [radiance, irradiance], [luminance, illuminance], colour)
+            }
+            Self::Cie { r#type, up, sun, ground, radiance, luminance, irradiance, illuminance, colour } => {
+                let up = DVec3::from(*up).normalize_or_zero();
+                let kind = general_sky(*r#type, up, *sun)?;
+                let sky = Sky { kind, up, zenith: vec![0.0; 3], ground: *ground };
+                (sky, [radiance, irradiance], [luminance, illuminance], colour)
             }
             Self::Overcast { up, ground, radiance, luminance, irradiance, illuminance, colour } => {
                 let up = DVec3::from(*up).normalize_or_zero();
@@ -282,16 +315,35 @@ impl SkySettings {
         };
         sky.check(3)?;
         let horizontal = sky.horizontal();
-        let mut amounts =
-            vec![Amount::watts("radiance", radiance, 1.0), Amount::lumens("luminance", *luminance, 1.0)];
-        if sky.kind != SkyKind::Constant {
-            amounts.push(Amount::watts("irradiance", irradiance, horizontal));
-            amounts.push(Amount::lumens("illuminance", *illuminance, horizontal));
-        }
+        let amounts = [
+            Amount::watts("radiance", radiance, 1.0),
+            Amount::lumens("luminance", *luminance, 1.0),
+            Amount::watts("irradiance", irradiance, horizontal),
+            Amount::lumens("illuminance", *illuminance, horizontal),
+        ];
         sky.zenith = one_of(&amounts, colour.as_ref(), efficacy)?;
         sky.check(3)?;
         Ok(sky)
     }
+}
+
+/// The type of general sky that is the same in all directions.
+const EVEN: usize = 5;
+
+/// A CIE sky by its number.
+fn general_sky(number: usize, up: DVec3, sun: Option<[f64; 3]>) -> Result<SkyKind, String> {
+    let most = GeneralSky::TYPES;
+    if number == most + 1 {
+        return Ok(SkyKind::Overcast);
+    }
+    let towards = sun.map_or(up, |sun| DVec3::from(sun).normalize_or_zero());
+    let sky = GeneralSky::new(number, towards).ok_or_else(|| {
+        format!("type {number} must be 1 to {most}, or {} for the traditional overcast sky", most + 1)
+    })?;
+    if sun.is_none() && sky.depends_on_sun() {
+        return Err(format!("a sky of type {number} needs `sun`, three numbers that point to it"));
+    }
+    Ok(SkyKind::General(sky))
 }
 
 /// What the number behind a key of an environment is divided by to get what a value of 1 in the picture

@@ -1,6 +1,7 @@
 //! Light: a source without area, which lights surfaces and is none itself.
 
 mod environment;
+mod general_sky;
 mod ies;
 mod sky;
 
@@ -12,6 +13,7 @@ use glam::DVec3;
 
 use super::{LARGEST, is_near};
 pub use environment::Environment;
+pub use general_sky::GeneralSky;
 pub use ies::IntensityTable;
 pub use sky::{Sky, SkyKind, SkyShares};
 

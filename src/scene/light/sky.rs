@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::check_power;
 use super::environment::Environment;
+use super::general_sky::GeneralSky;
 use crate::scene::photometry::luminance;
 
 /// A sky around the scene.
@@ -38,6 +39,8 @@ pub enum SkyKind {
         /// Towards the sun, a unit vector above the horizon.
         sun: DVec3,
     },
+    /// One of the fifteen CIE standard general skies.
+    General(GeneralSky),
     /// As a picture says, below the horizon too.
     Environment(Arc<Environment>),
 }
@@ -77,6 +80,7 @@ impl SkyShares {
             _ if height < 0.0 => self.below,
             SkyKind::Overcast => (1.0 + 2.0 * height) / 3.0,
             SkyKind::Clear { sun } => scattering(towards.dot(sun)) * gradation(height) / self.zenith,
+            SkyKind::General(ref sky) => sky.relative(towards, height) / self.zenith,
         }
     }
 }
@@ -97,6 +101,7 @@ impl Sky {
         let Self { kind, up, .. } = self.clone();
         let zenith = match kind {
             SkyKind::Clear { sun } => scattering(sun.dot(up)) * gradation(1.0),
+            SkyKind::General(sky) => sky.relative(up, 1.0),
             SkyKind::Constant | SkyKind::Overcast | SkyKind::Environment(_) => 1.0,
         };
         let below = match kind {
@@ -114,8 +119,25 @@ impl Sky {
             SkyKind::Environment(ref environment) => environment.horizontal(),
             SkyKind::Constant => PI,
             SkyKind::Overcast => 7.0 * PI / 9.0,
-            SkyKind::Clear { sun } => clear_horizontal(sun.dot(self.up)),
+            SkyKind::Clear { .. } | SkyKind::General(_) => self.horizontal_by_steps(),
         }
+    }
+
+    /// The same by the midpoint rule.
+    fn horizontal_by_steps(&self) -> f64 {
+        const STEPS: usize = 256;
+        let shares = Self { ground: 0.0, ..self.clone() }.shares();
+        let across = self.up.any_orthonormal_vector();
+        let along = self.up.cross(across);
+        let cell = (FRAC_PI_2 / STEPS as f64) * (TAU / STEPS as f64);
+        let at = |i: usize, j: usize| {
+            let theta = (i as f64 + 0.5) / STEPS as f64 * FRAC_PI_2;
+            let phi = (j as f64 + 0.5) / STEPS as f64 * TAU;
+            let (sine, cosine) = theta.sin_cos();
+            let towards = cosine * self.up + sine * (phi.cos() * across + phi.sin() * along);
+            shares.from(towards) * cosine * sine * cell
+        };
+        (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| at(i, j))).sum()
     }
 
     /// Whether any light comes from it.
@@ -141,9 +163,12 @@ impl Sky {
         if !is_unit(self.up) {
             return Err("up must be three finite numbers that are not all 0".into());
         }
-        if let SkyKind::Clear { sun } = self.kind
-            && !(is_unit(sun) && sun.dot(self.up) >= 0.0)
-        {
+        let sun = match self.kind {
+            SkyKind::Clear { sun } => Some(sun),
+            SkyKind::General(sky) => sky.depends_on_sun().then(|| sky.sun()),
+            _ => None,
+        };
+        if sun.is_some_and(|sun| !(is_unit(sun) && sun.dot(self.up) >= 0.0)) {
             return Err("sun must point to the sun, and not below the horizon".into());
         }
         if matches!(self.kind, SkyKind::Environment(_)) && !matches!(channels, 1 | 3) {
@@ -154,28 +179,6 @@ impl Sky {
         }
         check_power(&self.zenith, channels)
     }
-}
-
-/// ∫ L cos θ dω over a clear sky whose zenith has radiance 1, by the midpoint rule; `height` is the sine of
-/// the sun's elevation.
-fn clear_horizontal(height: f64) -> f64 {
-    const STEPS: usize = 256;
-    let sky = Sky {
-        kind: SkyKind::Clear { sun: DVec3::new((1.0 - height * height).max(0.0).sqrt(), height, 0.0) },
-        up: DVec3::Y,
-        zenith: Vec::new(),
-        ground: 0.0,
-    };
-    let shares = sky.shares();
-    let cell = (FRAC_PI_2 / STEPS as f64) * (TAU / STEPS as f64);
-    let at = |i: usize, j: usize| {
-        let theta = (i as f64 + 0.5) / STEPS as f64 * FRAC_PI_2;
-        let phi = (j as f64 + 0.5) / STEPS as f64 * TAU;
-        let (sine, cosine) = theta.sin_cos();
-        let towards = DVec3::new(sine * phi.cos(), cosine, sine * phi.sin());
-        shares.from(towards) * cosine * sine * cell
-    };
-    (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| at(i, j))).sum()
 }
 
 #[cfg(test)]
@@ -203,6 +206,23 @@ mod tests {
     }
 
     #[test]
+    fn general_skies_are_the_simple_ones_where_these_are_of_a_type() {
+        let sun = DVec3::new(0.3, 0.5, -0.2).normalize();
+        let general = |number: usize| sky(SkyKind::General(GeneralSky::new(number, sun).unwrap()));
+        let clear = sky(SkyKind::Clear { sun });
+        for from in [DVec3::Y, DVec3::new(0.4, 0.2, 0.1).normalize(), DVec3::new(-0.9, 0.1, 0.3).normalize()]
+        {
+            assert!((general(12).shares().from(from) / clear.shares().from(from) - 1.0).abs() < 1e-3);
+            assert!((general(5).shares().from(from) - 1.0).abs() < 1e-12, "an even one");
+        }
+        assert!((general(5).horizontal() / PI - 1.0).abs() < 1e-4);
+        // An overcast sky is three times as bright at the zenith as at the horizon.
+        let horizon = general(1).shares().from(DVec3::X + 1e-9 * DVec3::Y);
+        assert!((horizon - 1.0 / (1.0 + 4.0 * (-0.7f64).exp())).abs() < 1e-6, "{horizon}");
+        assert_eq!(GeneralSky::new(16, sun), None);
+    }
+
+    #[test]
     fn clear_skies_turn_with_up_and_sun() {
         let sun = DVec3::new(0.6, 0.8, 0.0);
         let upright = Sky { kind: SkyKind::Clear { sun }, ..sky(SkyKind::Constant) };
@@ -211,6 +231,6 @@ mod tests {
         let from = DVec3::new(-0.2, 0.4, 0.7).normalize();
         let turned = DVec3::new(from.z, from.x, from.y);
         assert!((upright.shares().from(from) - lying.shares().from(turned)).abs() < 1e-12);
-        assert_eq!(upright.horizontal(), lying.horizontal());
+        assert!((upright.horizontal() / lying.horizontal() - 1.0).abs() < 1e-6);
     }
 }

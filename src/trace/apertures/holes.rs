@@ -23,7 +23,8 @@ const THIN: f64 = 1e-6;
 /// Faces this near to a triangle's middle cover it, normalised lengths.
 const NEAR: f64 = 1e-5;
 
-/// Edges times corners that are compared in a plane; a number. Chosen, not fitted: some hundredth of a second.
+/// Edges times corners that are compared in a plane; a number. Chosen, not fitted: some hundredth of a
+/// second.
 const MOST_LOOKS: usize = 1 << 22;
 
 /// The holes of a plane, in triangles.

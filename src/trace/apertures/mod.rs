@@ -37,6 +37,10 @@ const MOST: usize = 256;
 /// The most candidates that are judged: those of the largest planes. Chosen, not fitted.
 const MOST_CANDIDATES: usize = 8192;
 
+/// Apertures with less than so many times a triangle's area are small beside it; a number. Chosen, not
+/// fitted.
+const SMALL: f64 = 4.0;
+
 /// A triangle of an aperture, as it is seen from inside.
 #[derive(Clone, Debug)]
 pub(super) struct Opening {

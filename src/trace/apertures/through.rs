@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::{Apertures, Opening};
+use super::{Apertures, Opening, SMALL};
 use crate::scene::triangle;
 use crate::trace::IN_PLANE;
 use crate::trace::sampling::{Discrete, uniform_triangle};
@@ -16,8 +16,8 @@ pub struct Through<'a> {
 }
 
 impl Apertures {
-    /// Those through which light from directions within a cone, given by its axis towards the light and the
-    /// sine of its half angle, may reach a triangle with this normal.
+    /// The small ones through which light from directions within a cone, given by its axis towards the light
+    /// and the sine of its half angle, may reach a triangle with this normal.
     pub fn through(&self, (axis, sine): (DVec3, f64), corners: &[DVec3; 3], normal: DVec3) -> Through<'_> {
         if normal.dot(axis) <= IN_PLANE {
             return Through::default();
@@ -31,6 +31,10 @@ impl Apertures {
             rises && along > -width && apart < radius + width + sine * along.abs()
         };
         let seen: Vec<&Opening> = self.openings().iter().filter(meets).collect();
+        // What is lit through wide ones is lit as a whole, or not at all.
+        if seen.iter().map(|opening| opening.area).sum::<f64>() > SMALL * triangle::area(corners) {
+            return Through::default();
+        }
         let width = |opening: &&Opening| -opening.area * opening.normal.dot(axis);
         let chances = Discrete::new(seen.iter().map(width)).normalised();
         Through { seen, chances }

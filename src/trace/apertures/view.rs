@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Apertures, Opening};
+use super::{Apertures, Opening, SMALL};
 use crate::scene::{distance_to, triangle};
 use crate::trace::sampling::{Discrete, uniform_triangle};
 use crate::trace::solid_angle::{surroundings, target_density, towards_triangle, triangle_pdf};
@@ -14,9 +14,6 @@ const MOST_SEEN: usize = 16;
 /// Of those, the ones that matter less than this part of the most important are left to other samples.
 /// Chosen, not fitted.
 const LEAST_SEEN: f64 = 1e-3;
-
-/// Apertures with less than so many times a triangle's area are small beside it; a number. Chosen, not fitted.
-const SMALL: f64 = 4.0;
 
 /// Directions that miss a triangle by no more than this meet its rim, rad: what was drawn on the rim must not
 /// be taken for drawn in another way, or it would count for a thousand others.

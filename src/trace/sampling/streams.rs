@@ -94,8 +94,8 @@ streams! {
     Placement = 31,
     /// Points on bright patches seen from receivers: stretches by point; the batch.
     ReceiverBright = 33,
-    /// Rays from suns and the sky by which they are found to reach slots: the aperture; twice the light, plus 1
-    /// for those on all of the scene.
+    /// Rays from suns and the sky by which they are found to reach slots: the aperture; twice the light, plus
+    /// 1 for those on all of the scene.
     ReachingRays = 35,
     /// Points on a patch and on apertures through which sun may come: 0; the light.
     SunThrough = 34,

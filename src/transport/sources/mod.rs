@@ -27,7 +27,7 @@ use crate::trace::{Lights, Ray, SkyBeam, Through, Tracer, sampling};
 pub use carried_light::CarriedLight;
 use carried_light::Measured;
 pub(crate) use lamp_flux::LampFlux;
-pub use receivers::{Received, ReceiverRows};
+pub use receivers::{Received, ReceiverNoise, ReceiverRows};
 
 /// Patches between two reports of progress; a number. Chosen, not fitted.
 const CHUNK: usize = 4096;

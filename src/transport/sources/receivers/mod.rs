@@ -46,11 +46,28 @@ pub struct ReceiverRows {
     rows: Vec<Vec<Vec<(u32, f64)>>>,
     /// H₀, m × c, W·m⁻².
     direct: DMatrix<f64>,
-    /// By how much more each batch of rays finds by itself, under the radiance that the rows were traced for:
-    /// m × c, W·m⁻².
-    spread: Vec<DMatrix<f64>>,
+    noise: ReceiverNoise,
+}
+
+/// Samples of the noise of a receiver's own rays, under the radiance for which its rows were traced.
+#[derive(Clone, Debug)]
+pub struct ReceiverNoise {
+    /// By how much more each batch of a point's rays finds by itself, m × c, W·m⁻².
+    rays: Vec<DMatrix<f64>>,
     /// The same of light that crosses cells; none where there is none.
-    crossing_spread: Vec<DMatrix<f64>>,
+    crossings: Vec<DMatrix<f64>>,
+}
+
+impl ReceiverNoise {
+    /// The variance of a linear function of the points' irradiance (m × c, W·m⁻²), in the square of its unit.
+    pub fn variance(&self, of: impl Fn(&DMatrix<f64>) -> f64) -> f64 {
+        let variance = |batches: &[DMatrix<f64>]| {
+            let count = batches.len() as f64;
+            let squares: f64 = batches.iter().map(|batch| of(batch).powi(2)).sum();
+            if batches.is_empty() { 0.0 } else { squares / (count * (count - 1.0)) }
+        };
+        variance(&self.rays) + variance(&self.crossings)
+    }
 }
 
 /// What a receiver measures.
@@ -133,15 +150,15 @@ impl ReceiverRows {
             };
             DMatrix::from_fn(points.len(), channels, more)
         };
-        let spread = (0..BATCHES as usize).map(batch).collect();
+        let rays = (0..BATCHES as usize).map(batch).collect();
         let mut direct = DMatrix::from_fn(points.len(), channels, |i, c| found[i].direct[c]);
-        let crossing_spread = match &gather.lights {
+        let crossings = match &gather.lights {
             Some(lights) => add_crossings(tracer, lights, receiver, options, &mut direct)?,
             None => Vec::new(),
         };
         options.progress.at("receive", 1.0)?;
         let rows = found.into_iter().map(|found| found.rows).collect();
-        Ok(Self { tones: gather.tones, direct, rows, spread, crossing_spread })
+        Ok(Self { tones: gather.tones, direct, rows, noise: ReceiverNoise { rays, crossings } })
     }
 
     /// Irradiance H = H₀ + πFL of the points under radiance L (N × c), m × c, W·m⁻².
@@ -163,10 +180,9 @@ impl ReceiverRows {
         })
     }
 
-    /// Samples of the noise of these rays in the irradiance under the radiance for which they were traced, by
-    /// what it comes from: per batch m × c, W·m⁻², by how much more it finds than all.
-    pub fn noise(&self) -> [&[DMatrix<f64>]; 2] {
-        [&self.spread, &self.crossing_spread]
+    /// The noise of these rays.
+    pub fn noise(&self) -> &ReceiverNoise {
+        &self.noise
     }
 }
 
