@@ -15,7 +15,8 @@ use super::{Barycentrics, Patches};
 use crate::scene::{Side, triangle};
 use crate::trace::sampling::Discrete;
 use crate::trace::{
-    Hit, IN_PLANE, Lamps, Tracer, can_face, form_factor_estimate, towards_triangle, triangle_pdf,
+    Hit, IN_PLANE, Lamps, Tracer, can_face, form_factor_estimate, form_factor_to_triangle, towards_triangle,
+    triangle_pdf,
 };
 
 /// The most parts. Chosen, not fitted: with more, a view takes as long as its rays.
@@ -25,9 +26,17 @@ const MOST: usize = 512;
 /// number. Chosen, not fitted.
 const UNEVEN: f64 = 0.02;
 
+/// With no more parts than this, what each contributes is integrated and not estimated: few are large ones.
+/// Chosen, not fitted.
+const MOST_EXACT: usize = 64;
+
+/// Parts are bright to a point that are so many times as bright as all is that it sees; a number. Chosen, not
+/// fitted: where all is much the same, rays find it all.
+const BRIGHT: f64 = 2.0;
+
 const NONE: u32 = u32::MAX;
 
-/// The parts of faces from which most light comes.
+/// The faces from which most light comes, in parts.
 #[derive(Clone, Debug)]
 pub struct BrightParts {
     parts: Vec<Part>,
@@ -104,7 +113,17 @@ impl BrightParts {
 
     /// How they look from a point with a normal.
     pub fn view_from(&self, point: DVec3, normal: DVec3) -> BrightView {
-        BrightView(Discrete::new(self.parts.iter().map(|part| part.estimate(point, normal))).normalised())
+        let is_exact = self.parts.len() <= MOST_EXACT;
+        let light = |part: &Part| match is_exact {
+            true => part.radiance * form_factor_to_triangle(point, normal, &part.turned()),
+            false => part.estimate(point, normal),
+        };
+        let mut chances: Vec<f64> = self.parts.iter().map(light).collect();
+        // What they send together is their mean radiance over all directions, by the cosine.
+        let mean: f64 = chances.iter().sum();
+        let dim = self.parts.iter().map(|part| part.radiance <= BRIGHT * mean);
+        chances.iter_mut().zip(dim).for_each(|(chance, is_dim)| *chance *= if is_dim { 0.0 } else { 1.0 });
+        BrightView(Discrete::new(chances).normalised())
     }
 
     /// A point drawn on one of them; none where none is above the horizon.
@@ -173,6 +192,12 @@ impl Part {
         let area = triangle::area(&corners);
         let normal = tracer.normal(piece.face, piece.side);
         Self { face: piece.face as u32, corners, normal, area, radiance: piece.power / area }
+    }
+
+    /// Its corners in the order in which its front is the side that sends.
+    fn turned(&self) -> [DVec3; 3] {
+        let [a, b, c] = self.corners;
+        if triangle::across(&self.corners).dot(self.normal) < 0.0 { [a, c, b] } else { [a, b, c] }
     }
 
     /// The distance at which a direction from a point meets its plane, and the cosine there.
@@ -331,10 +356,11 @@ mod tests {
         // A floor that is bright in one corner.
         let radiance = DMatrix::from_fn(patches.len(), 1, |i, _| {
             let p = tracer.frame().from_world(patches.centre(i));
-            if p.y < -0.99 && p.x < -0.5 && p.z < -0.5 { 50.0 } else { 0.1 }
+            let is_floor = scene.objects()[scene.faces()[patches.place(i).face].object as usize] == "floor";
+            if is_floor && p.x < 0.0 { 50.0 } else { 0.1 }
         });
         let bright = BrightParts::new(&tracer, &patches, &radiance, &Lamps::new(&tracer));
-        let (point, normal) = (DVec3::new(0.1, 0.3, 0.2), DVec3::NEG_Y);
+        let (point, normal) = (DVec3::new(0.1, 0.9, 0.2), DVec3::NEG_Y);
         let view = bright.view_from(point, normal);
         let radiance_at = |hit: &Hit| {
             let patch = patches.patch_at(hit.face as usize, hit.side, hit.barycentrics);
@@ -362,6 +388,6 @@ mod tests {
                 by_cosine += if seen { radiance_at(&hit) * std::f64::consts::PI / f64::from(n) } else { 0.0 };
             }
         }
-        assert!((drawn / by_cosine - 1.0).abs() < 0.01, "{drawn} {by_cosine}");
+        assert!(drawn > 1.0 && (drawn / by_cosine - 1.0).abs() < 0.02, "{drawn} {by_cosine}");
     }
 }

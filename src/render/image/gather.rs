@@ -5,7 +5,8 @@
 //! Lamps are sampled at points drawn on them, everything else by cosine-distributed rays that bring back the
 //! solution where they land. Such rays meet lamps too. Both ways count, weighted by the balance heuristic
 //! (Veach & Guibas 1995, eq. 14), so that nothing is counted twice and no sample weighs more than the lamp is
-//! bright, however near the lamp.
+//! bright, however near the lamp. Bright parts of other faces are sampled as lamps are, weighted by the power
+//! heuristic.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -13,13 +14,14 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 
 use super::field::{Elements, Field, rgb_of, rgb_rows};
-use super::highlights::{Highlights, Shine, Views};
-use crate::patches::{Barycentrics, Patches};
+use super::highlights::{Around, Highlights, Shine, Views};
+use crate::patches::{Barycentrics, Basis, BrightParts, BrightView, Patches};
 use crate::render::tone::to_rgb;
 use crate::scene::Side;
-use crate::trace::sampling::Sequence;
+use crate::trace::sampling::{Sequence, power_heuristic};
 use crate::trace::{
-    Arrival, Destination, Hit, Interaction, LampView, Lamps, Lights, Ray, RayHit, SpecularPath, Tint, Tracer,
+    Arrival, Destination, Hit, Interaction, LampView, Lamps, Lights, Ray, RayHit, SkyView, SpecularPath,
+    Tint, Tracer,
 };
 
 /// All it takes to gather light at a point.
@@ -29,6 +31,7 @@ pub(super) struct Gather<'a, 's> {
     patches: &'a Patches<'s>,
     lamps: Lamps,
     lights: Option<Lights>,
+    bright: BrightParts,
     /// The part of H₀ that comes by way of mirrors, metals and glass, which rays from here would hardly find.
     carried: Option<Field<'a, 's>>,
     /// Radiance L wherever rays land.
@@ -39,6 +42,12 @@ pub(super) struct Gather<'a, 's> {
     emission: Vec<DVec3>,
     /// Emission of each patch, where textures vary it; else none.
     emitted: Option<Vec<DVec3>>,
+}
+
+/// What is bright, as it is seen from a place.
+struct Seen<'v> {
+    lamps: &'v LampView,
+    bright: &'v BrightView,
 }
 
 /// One look at the scene.
@@ -66,11 +75,14 @@ impl<'a, 's> Gather<'a, 's> {
         carried: Option<&DMatrix<f64>>,
     ) -> Self {
         let materials = tracer.scene().materials();
+        let lamps = Lamps::new(tracer);
+        let means = Basis::of(patches, radiance).means(radiance);
         Self {
             tracer,
             highlights: Highlights::new(tracer),
             patches,
-            lamps: Lamps::new(tracer),
+            bright: BrightParts::new(tracer, patches, &means, &lamps),
+            lamps,
             lights: Lights::new(tracer),
             carried: carried.map(|field| Field::smooth(tracer, patches, field)),
             radiance: Elements::new(patches, radiance),
@@ -166,9 +178,17 @@ impl<'a, 's> Gather<'a, 's> {
     fn arriving(&self, place: &Interaction, barycentrics: Barycentrics, look: &mut Look) -> DVec3 {
         let [s, t, u, v] = look.sequence.dimensions(look.point, 1);
         let view = &look.views.seen_at(self.tracer, &self.lamps, place).clone();
+        let around = &look.views.around(place, || Around {
+            bright: self.bright.view_from(place.point, place.normal),
+            sky: self
+                .lights
+                .as_ref()
+                .and_then(|lights| lights.sky_over(self.tracer, &[place.point], place.normal)),
+        });
         self.light_of_lamps(place, view, [s, t])
-            + self.light_around(place, view, [u, v], look)
-            + self.light_of_lights(place, [s, t])
+            + self.light_of_bright_parts(place, &around.bright, [t, s])
+            + self.light_around(place, &Seen { lamps: view, bright: &around.bright }, [u, v], look)
+            + self.light_of_lights(place, around.sky.as_ref(), [s, t])
             + self.carried_light(place, barycentrics)
     }
 
@@ -180,12 +200,11 @@ impl<'a, 's> Gather<'a, 's> {
     }
 
     /// H₀/π: straight from lights without area and from the sky.
-    fn light_of_lights(&self, place: &Interaction, random: [f64; 2]) -> DVec3 {
+    fn light_of_lights(&self, place: &Interaction, sky: Option<&SkyView>, random: [f64; 2]) -> DVec3 {
         let Some(lights) = &self.lights else { return DVec3::ZERO };
         let channels = self.tracer.scene().channels();
         let (mut irradiance, mut scratch) = (vec![0.0; channels], vec![0.0; channels]);
-        let sky = lights.sky_over(self.tracer, &[place.point], place.normal);
-        let here = Arrival { place: *place, sky: sky.as_ref() };
+        let here = Arrival { place: *place, sky };
         lights.add_irradiance(self.tracer, &here, || random, [&mut irradiance, &mut scratch]);
         DVec3::from(to_rgb(&irradiance)) * FRAC_1_PI
     }
@@ -216,23 +235,45 @@ impl<'a, 's> Gather<'a, 's> {
         self.emitted(lamp.face, Side::Front, lamp.barycentrics) * (g / (lamp.pdf + g))
     }
 
+    /// H/π from a point drawn on bright parts of faces.
+    fn light_of_bright_parts(&self, place: &Interaction, view: &BrightView, random: [f64; 2]) -> DVec3 {
+        let Some(to) = self.bright.sample(view, place.point, random) else { return DVec3::ZERO };
+        let cosine = place.normal.dot(to.direction);
+        let by_ray = place.pdf(cosine);
+        if to.face == place.face || cosine <= 0.0 || by_ray <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let hit = self.tracer.closest_hit(&place.ray(to.direction)).filter(|hit| hit.face == to.face);
+        let weight = by_ray / to.pdf * power_heuristic(to.pdf, by_ray);
+        hit.map_or(DVec3::ZERO, |hit| weight * self.solved(&hit))
+    }
+
+    /// The solution's radiance where a ray lands.
+    fn solved(&self, hit: &Hit) -> DVec3 {
+        let patch = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics);
+        patch.map_or(DVec3::ZERO, |patch| self.radiance.at(patch, hit.barycentrics))
+    }
+
     /// H/π from where a ray lands that is distributed by the cosine, or as a coat lets light in.
-    fn light_around(&self, place: &Interaction, view: &LampView, random: [f64; 2], look: &mut Look) -> DVec3 {
+    fn light_around(
+        &self,
+        place: &Interaction,
+        Seen { lamps: view, bright }: &Seen,
+        random: [f64; 2],
+        look: &mut Look,
+    ) -> DVec3 {
         let ray = place.ray(place.direction(random));
         let Some(hit) = self.tracer.closest_hit(&ray) else { return DVec3::ZERO };
-        let solved = |hit: &Hit| {
-            let patch = self.patches.patch_at(hit.face as usize, hit.side, hit.barycentrics);
-            patch.map_or(DVec3::ZERO, |patch| self.radiance.at(patch, hit.barycentrics))
-        };
         // What comes by way of carriers is found by such rays, and by looks at lamps from rough metal.
         if self.tracer.may_go_on(hit.face) {
             look.set = 2;
             let met = RayHit { ray, hit };
-            return self.seen_over_carriers(met, look, |_| DVec3::ZERO, |hit, _| solved(hit));
+            return self.seen_over_carriers(met, look, |_| DVec3::ZERO, |hit, _| self.solved(hit));
         }
-        let radiance = solved(&hit);
+        let radiance = self.solved(&hit);
         if !self.lamps.contains(hit.face as usize, hit.side) {
-            return radiance;
+            let by_part = self.bright.pdf(bright, place.point, ray.direction, &hit);
+            return radiance * power_heuristic(place.pdf(place.normal.dot(ray.direction)), by_part);
         }
         // Leave to lamp points their share of what the lamp emits, none of what they can't face.
         let there = Interaction::of(self.tracer, &hit);

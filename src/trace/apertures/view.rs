@@ -1,5 +1,7 @@
 //! Apertures as a small surface sees them: directions towards them, beside their density.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::{Apertures, Opening, SMALL};
@@ -20,9 +22,9 @@ const LEAST_SEEN: f64 = 1e-3;
 const RIM: f64 = 1e-13;
 
 /// Apertures as seen from a surface.
-#[derive(Clone, Debug, Default)]
-pub struct ApertureView<'a> {
-    seen: Vec<&'a Opening>,
+#[derive(Clone, Debug)]
+pub struct ApertureView {
+    seen: Arc<[Opening]>,
     chances: Discrete,
     /// Whether one is so small and near to the surface that it lights up a part of it alone.
     is_near: bool,
@@ -30,10 +32,7 @@ pub struct ApertureView<'a> {
 
 impl Apertures {
     /// How they look from a flat surface with these corners, or this one point, and this normal.
-    pub fn view(&self, corners: &[DVec3], normal: DVec3) -> ApertureView<'_> {
-        if self.is_empty() {
-            return ApertureView::default();
-        }
+    pub fn view(&self, corners: &[DVec3], normal: DVec3) -> ApertureView {
         let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
         let faces = |opening: &&Opening| can_face((corners, normal), (&opening.corners, opening.normal));
         let worth = |opening: &Opening| {
@@ -47,7 +46,7 @@ impl Apertures {
         let most = seen.first().map_or(0.0, |&(_, worth)| worth);
         seen.retain(|&(_, worth)| worth > LEAST_SEEN * most);
         let chances = Discrete::new(seen.iter().map(|&(_, worth)| worth)).normalised();
-        let seen: Vec<&Opening> = seen.into_iter().map(|(opening, _)| opening).collect();
+        let seen: Arc<[Opening]> = seen.into_iter().map(|(opening, _)| opening.clone()).collect();
         let near = |corners: &[DVec3; 3]| {
             let ((centre, reach), most) = (surroundings(corners), SMALL * triangle::area(corners));
             let is_near = |corners: &[DVec3; 3]| distance_to(centre, corners, reach) <= reach;
@@ -58,7 +57,7 @@ impl Apertures {
     }
 }
 
-impl ApertureView<'_> {
+impl ApertureView {
     /// Whether no aperture is above the horizon.
     pub fn is_empty(&self) -> bool {
         self.seen.is_empty()
@@ -81,7 +80,7 @@ impl ApertureView<'_> {
     /// uniform one over the triangle.
     #[inline]
     pub fn target_pdf(&self, corners: &[DVec3; 3], point: DVec3, direction: DVec3) -> f64 {
-        let pdf = |(k, opening): (usize, &&Opening)| {
+        let pdf = |(k, opening): (usize, &Opening)| {
             let Some((distance, cosine)) = opening.met_along(point, direction) else { return 0.0 };
             let density = target_density(point + distance * direction, corners, point);
             self.chances.weight(k) * density * distance * distance / (cosine * opening.area)
@@ -99,7 +98,7 @@ impl ApertureView<'_> {
     /// Density of [`ApertureView::sample`], per unit of solid angle.
     #[inline]
     pub fn pdf(&self, point: DVec3, direction: DVec3) -> f64 {
-        let pdf = |(k, opening): (usize, &&Opening)| self.chances.weight(k) * opening.pdf(point, direction);
+        let pdf = |(k, opening): (usize, &Opening)| self.chances.weight(k) * opening.pdf(point, direction);
         self.seen.iter().enumerate().map(pdf).sum()
     }
 }

@@ -48,7 +48,7 @@ pub(crate) enum Place {
 /// Where light arrives, and how the sky is looked for from there, as [`Lights::sky_over`] has it.
 pub(crate) struct Arrival<'a> {
     pub place: Interaction<'a>,
-    pub sky: Option<&'a SkyView<'a>>,
+    pub sky: Option<&'a SkyView>,
 }
 
 /// A way on which light may reach a point.
@@ -218,13 +218,8 @@ impl Lights {
 
     /// The sky as it is looked for from a flat surface with these corners, or this one point, and this
     /// normal.
-    pub fn sky_over<'a>(
-        &'a self,
-        tracer: &'a Tracer,
-        corners: &[DVec3],
-        normal: DVec3,
-    ) -> Option<SkyView<'a>> {
-        self.sky.as_ref().map(|sky| sky.view(tracer.apertures(), corners, normal))
+    pub fn sky_over(&self, tracer: &Tracer, corners: &[DVec3], normal: DVec3) -> Option<SkyView> {
+        self.sky.as_ref().map(|_| SkyView::over(tracer.apertures(), corners, normal))
     }
 
     /// The apertures through which a sun may reach a triangle with this normal.
@@ -270,9 +265,8 @@ impl Lights {
                     .for_each(|(sum, (power, part))| *sum += weight * power * part);
             }
         }
-        if let Some(view) = sky {
-            let sky = view.sky;
-            let beam = view.sample(place.point, random());
+        if let (Some(view), Some(sky)) = (sky, &self.sky) {
+            let beam = view.sample(sky, place.point, random());
             scratch.fill(1.0);
             if beam.weight > 0.0 && tracer.passes(&place.ray(beam.direction), f64::INFINITY, scratch) {
                 let weight = beam.weight * place.weight(normal.dot(beam.direction));

@@ -60,10 +60,8 @@ impl SkyBeam {
 
 /// A sky as it is looked for from a flat surface.
 #[derive(Clone, Debug)]
-pub struct SkyView<'a> {
-    /// The sky.
-    pub sky: &'a SkySampler,
-    apertures: ApertureView<'a>,
+pub struct SkyView {
+    apertures: ApertureView,
     normal: DVec3,
 }
 
@@ -78,7 +76,13 @@ const FROM_APERTURES: f64 = 0.5;
 /// a number. Chosen, not fitted: there are few of these.
 const MORE_RAYS: u32 = 8;
 
-impl SkyView<'_> {
+impl SkyView {
+    /// The sky as it is looked for from a flat surface with these corners, or this one point, and this
+    /// normal.
+    pub fn over(apertures: &Apertures, corners: &[DVec3], normal: DVec3) -> Self {
+        Self { apertures: apertures.view(corners, normal), normal }
+    }
+
     /// Rays to be drawn over a triangle, where others have so many.
     pub fn rays(&self, usual: u32) -> u32 {
         if self.apertures.is_near() { usual.saturating_mul(MORE_RAYS).min(SEQUENCE_END) } else { usual }
@@ -88,10 +92,15 @@ impl SkyView<'_> {
     /// numbers together with a direction in which light from the sky may reach it; and what it brings, on
     /// average over the triangle, where nothing hides it.
     #[inline]
-    pub fn sample_over(&self, corners: &[DVec3; 3], [s, t, u, v]: [f64; 4]) -> ([f64; 2], SkyBeam) {
+    pub fn sample_over(
+        &self,
+        sky: &SkySampler,
+        corners: &[DVec3; 3],
+        [s, t, u, v]: [f64; 4],
+    ) -> ([f64; 2], SkyBeam) {
         if !self.apertures.is_near() {
             let at = uniform_triangle([s, t]);
-            return (at, self.sample(triangle::point(corners, at), [u, v]));
+            return (at, self.sample(sky, triangle::point(corners, at), [u, v]));
         }
         let (at, direction) = if u < FROM_APERTURES {
             let from = self.apertures.point([u / FROM_APERTURES, v]);
@@ -100,48 +109,45 @@ impl SkyView<'_> {
         } else {
             let at = uniform_triangle([s, t]);
             let square = [(u - FROM_APERTURES) / (1.0 - FROM_APERTURES), v];
-            (at, self.draw(triangle::point(corners, at), square))
+            (at, self.draw(sky, triangle::point(corners, at), square))
         };
         let point = triangle::point(corners, at);
         let pdf = |cosine: f64| {
             let from_apertures = self.apertures.target_pdf(corners, point, direction);
-            (1.0 - FROM_APERTURES) * self.pdf(point, direction, cosine) + FROM_APERTURES * from_apertures
+            (1.0 - FROM_APERTURES) * self.pdf(sky, (point, direction), cosine)
+                + FROM_APERTURES * from_apertures
         };
-        (at, self.sky.beam(self.normal, direction, pdf))
+        (at, sky.beam(self.normal, direction, pdf))
     }
 
     /// A direction in which light from the sky may reach a point of the surface, and what it brings where
     /// nothing hides it.
     #[inline]
-    pub fn sample(&self, point: DVec3, [u, v]: [f64; 2]) -> SkyBeam {
+    pub fn sample(&self, sky: &SkySampler, point: DVec3, [u, v]: [f64; 2]) -> SkyBeam {
         if self.apertures.is_empty() {
-            return self.sky.sample(self.normal, [u, v]);
+            return sky.sample(self.normal, [u, v]);
         }
-        let direction = self.draw(point, [u, v]);
-        self.sky.beam(self.normal, direction, |cosine| self.pdf(point, direction, cosine))
+        let direction = self.draw(sky, point, [u, v]);
+        sky.beam(self.normal, direction, |cosine| self.pdf(sky, (point, direction), cosine))
     }
 
     #[inline]
-    fn draw(&self, point: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+    fn draw(&self, sky: &SkySampler, point: DVec3, [u, v]: [f64; 2]) -> DVec3 {
         match u < TO_APERTURES {
             true => self.apertures.sample(point, [u / TO_APERTURES, v]),
-            false => self.sky.draw(self.normal, [(u - TO_APERTURES) / (1.0 - TO_APERTURES), v]),
+            false => sky.draw(self.normal, [(u - TO_APERTURES) / (1.0 - TO_APERTURES), v]),
         }
     }
 
+    /// Density of [`SkyView::draw`], per unit of solid angle.
     #[inline]
-    fn pdf(&self, point: DVec3, direction: DVec3, cosine: f64) -> f64 {
-        let by_sky = self.sky.pdf_of(cosine, direction);
+    fn pdf(&self, sky: &SkySampler, (point, direction): (DVec3, DVec3), cosine: f64) -> f64 {
+        let by_sky = sky.pdf_of(cosine, direction);
         (1.0 - TO_APERTURES) * by_sky + TO_APERTURES * self.apertures.pdf(point, direction)
     }
 }
 
 impl SkySampler {
-    /// How it is looked for from a flat surface with these corners, or this one point, and this normal.
-    pub fn view<'a>(&'a self, apertures: &'a Apertures, corners: &[DVec3], normal: DVec3) -> SkyView<'a> {
-        SkyView { sky: self, apertures: apertures.view(corners, normal), normal }
-    }
-
     /// Makes a sampler for a sky.
     pub fn new(sky: &Sky) -> Self {
         let shares = sky.shares();

@@ -326,14 +326,15 @@ impl LooksForLight for Look<'_> {
             };
             add(&seen, scale, self.lights.power(light));
         }
-        if let Some(view) = self.lights.sky_over(self.tracer, &facet.corners, facet.normal) {
+        let view = self.lights.sky_over(self.tracer, &facet.corners, facet.normal);
+        if let (Some(view), Some(sky)) = (view, self.lights.sky()) {
             let rays = view.rays(self.rays);
             let (sequence, points) = Stream::Sky.stretch(self.seed, slot, u64::from(rays != self.rays), rays);
             let even = Parts::<N> { whole: [1.0; PARTS], ..Default::default() };
             let mut seen = vec![even; self.channels];
             let first = points.start;
             for k in points {
-                let (at, beam) = view.sample_over(&facet.corners, sequence.point(k));
+                let (at, beam) = view.sample_over(sky, &facet.corners, sequence.point(k));
                 let SkyBeam { direction, weight, tint } = beam;
                 let origin = triangle::point(&facet.corners, at);
                 let ray = Ray { origin, direction, from: facet.face };
@@ -347,7 +348,7 @@ impl LooksForLight for Look<'_> {
                     }
                 }
             }
-            add(&seen, 1.0 / f64::from(rays), view.sky.zenith());
+            add(&seen, 1.0 / f64::from(rays), sky.zenith());
         }
     }
 }

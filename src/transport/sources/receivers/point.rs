@@ -46,12 +46,12 @@ pub(super) struct Found {
 }
 
 /// A point while its light is found.
-struct Place<'a> {
+struct Place {
     point: DVec3,
     frame: DMat3,
     lamps: LampView,
     bright: BrightView,
-    sky: Option<SkyView<'a>>,
+    sky: Option<SkyView>,
 }
 
 /// A place on a patch.
