@@ -113,11 +113,12 @@ pub fn sky(number: usize, sun: Vector, horizontal: f64, ground: f64) -> impl Fn(
 }
 
 /// The part of light that a pane lets through at this cosine, by Fresnel's equations for both polarizations:
-/// all reflections between its surfaces included.
+/// all reflections between its surfaces included, and what its glass absorbs on each way across.
 pub fn pane(cosine: f64, index: f64, filter: f64) -> f64 {
     let sine = (1.0 - cosine * cosine).sqrt() / index;
     let inner = (1.0 - sine * sine).sqrt();
     let across = ((cosine - index * inner) / (cosine + index * inner)).powi(2);
     let along = ((index * cosine - inner) / (index * cosine + inner)).powi(2);
-    filter * 0.5 * ((1.0 - across) / (1.0 + across) + (1.0 - along) / (1.0 + along))
+    let through = |once: f64| filter * (1.0 - once).powi(2) / (1.0 - (filter * once).powi(2));
+    0.5 * (through(across) + through(along))
 }

@@ -19,9 +19,25 @@ fn polarized(cosine: f64, ratio: f64) -> [f64; 2] {
     [across * across, along * along]
 }
 
-/// The part of unpolarised light that goes through both surfaces of a pane, all reflections between them
-/// included, met at an angle of this cosine: each polarization goes its own way, (1 − R)/(1 + R).
-pub fn through_pane(cosine: f64, index: f64) -> f64 {
-    let [across, along] = polarized(cosine, index).map(|once| (1.0 - once) / (1.0 + once));
-    0.5 * (across + along)
+/// What a pane does with unpolarised light, all reflections between its two surfaces included.
+#[derive(Clone, Copy, Debug)]
+pub struct Pane {
+    /// The part that goes through, but for what the glass absorbs on one way across.
+    pub through: f64,
+    /// The part that comes back.
+    pub back: f64,
+}
+
+/// What a pane of this index of refraction does with light that meets it at an angle of this cosine and of
+/// which its glass lets a part `clear` through on each way across: each polarization goes its own way, T = f
+/// (1 − R)²/(1 − f²R²), and R + fRT comes back.
+pub fn pane(cosine: f64, index: f64, clear: f64) -> Pane {
+    let ways = polarized(cosine, index).map(|once| {
+        // Of clear glass at a grazing angle all comes back.
+        let rest = 1.0 - (clear * once).powi(2);
+        let through = if rest > 0.0 { (1.0 - once).powi(2) / rest } else { 0.0 };
+        Pane { through, back: once + clear * clear * once * through }
+    });
+    let [across, along] = ways;
+    Pane { through: 0.5 * (across.through + along.through), back: 0.5 * (across.back + along.back) }
 }

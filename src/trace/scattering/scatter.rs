@@ -10,7 +10,7 @@
 use glam::DVec3;
 
 use super::coat::Coat;
-use super::fresnel::{fresnel, through_pane};
+use super::fresnel::{Pane, fresnel, pane};
 use super::gloss::Gloss;
 use super::tint::Tint;
 use crate::scene::{Side, Surface};
@@ -149,11 +149,13 @@ impl<'s> Tracer<'s> {
                 (way(reflected, share, None), Some(way(refracted, 1.0 - share, Some(Tint::of(filter)))))
             }
             Surface::Pane { index, filter } => {
-                // What goes in crosses two surfaces on either way and is dimmed by the filter f: of each
-                // polarization (1 − R)/(1 + R) f goes through and R + R (1 − R)/(1 + R) f comes back.
-                let through = through_pane(cosine, *index);
+                // What goes in is dimmed by the filter on each way across. What reflections between the
+                // surfaces do is told for the mean of all channels.
+                let clear = Tint::of(filter).mean();
+                let Pane { through, back } = pane(cosine, *index, clear);
                 let share = 1.0 - through;
-                let back = Tint::towards_white(filter, fresnel(cosine, *index) / share);
+                let white = if clear < 1.0 { (back / share - clear) / (1.0 - clear) } else { 0.0 };
+                let back = Tint::towards_white(filter, white.clamp(0.0, 1.0));
                 let second = way(ray.direction, through, Some(Tint::of(filter)));
                 (way(reflected, share, Some(back)), Some(second))
             }
