@@ -16,9 +16,9 @@ use crate::transport::Received;
 /// How a quantity is spread over some area or over some points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Levels {
-    /// Mean, weighted by area.
+    /// Mean, weighted by area; of surfaces over the whole area of the sides that light reaches.
     pub mean: f64,
-    /// The lowest mean of a patch, or value at a point.
+    /// The lowest mean of a patch that light reaches, or value at a point.
     pub minimum: f64,
     /// The highest.
     pub maximum: f64,
@@ -63,7 +63,8 @@ pub struct Photometry {
     pub kind: &'static str,
     /// Its name.
     pub name: String,
-    /// Area, m²: of the sides that light reaches, or of the receiver; none of a light without area.
+    /// Area, m²: of the sides of faces that light reaches, lit or not, or of the receiver; none of a light
+    /// without area.
     pub area: Option<f64>,
     /// Luminous flux that it emits, lm; none of receivers and of suns, whose flux has no end.
     pub emitted: Option<f64>,
@@ -87,24 +88,35 @@ impl Photometry {
         let [lux, candelas] = [irradiance, radiance].map(|field| luminous(field, scene.efficacy()));
         let emitted = luminous(&patches.emitted_radiance(), scene.efficacy());
         assert!(lux.len() == patches.len() && candelas.len() == patches.len(), "one row per patch");
+        let dark_areas = patches.dark_areas();
         let groups = |kind, names: Vec<&str>, of: &dyn Fn(usize) -> u32| -> Vec<Self> {
             let mut members = vec![Vec::new(); names.len()];
             (0..patches.len()).for_each(|i| members[of(patches.place(i).face) as usize].push(i));
-            let row = |(name, members): (&str, Vec<usize>)| {
-                let levels =
-                    |field: &DMatrix<f64>| Levels::of(members.iter().map(|&i| (field[i], patches.area(i))));
+            let mut dark = vec![0.0; names.len()];
+            dark_areas.iter().for_each(|&(face, _, area)| dark[of(face) as usize] += area);
+            let row = |((name, members), dark): ((&str, Vec<usize>), f64)| {
+                let lit: f64 = members.iter().map(|&i| patches.area(i)).sum();
+                let levels = |field: &DMatrix<f64>| {
+                    let levels = Levels::of(members.iter().map(|&i| (field[i], patches.area(i))))?;
+                    // What is hidden counts in the mean alone: under the foot of a chair nobody looks for the
+                    // lowest value.
+                    let mean = levels.mean * lit / (lit + dark);
+                    let uniformity = if mean > 0.0 { levels.minimum / mean } else { 0.0 };
+                    Some(Levels { mean, uniformity, ..levels })
+                };
                 let flux = |&i: &usize| std::f64::consts::PI * patches.area(i) * emitted[i];
                 Self {
                     kind,
                     name: name.to_owned(),
-                    area: Some(members.iter().map(|&i| patches.area(i)).sum()),
+                    area: Some(lit + dark),
                     emitted: Some(members.iter().map(flux).sum()),
                     illuminance: levels(&lux),
                     luminance: levels(&candelas),
                     illuminance_error: None,
                 }
             };
-            names.into_iter().zip(members).filter(|(_, members)| !members.is_empty()).map(row).collect()
+            let all = names.into_iter().zip(members).zip(dark);
+            all.filter(|((_, members), _)| !members.is_empty()).map(row).collect()
         };
         let materials = scene.materials().iter().map(|material| material.name.as_str()).collect();
         let objects = scene.objects().iter().map(String::as_str).collect();

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use serde::Serialize;
 
 use super::Photometry;
-use crate::measure::{AccuracyStep, Energy, ErrorBudget, Undershoot, Verdict};
+use crate::measure::{AccuracyStep, Energy, ErrorBudget, GroupError, Undershoot, Verdict};
 use crate::render::to_rgb;
 use crate::solve::{Report, Series, Solution};
 use crate::transport::{Closure, Plan};
@@ -60,6 +60,8 @@ pub struct Summary {
     pub undershoot: Undershoot,
     /// How wrong irradiance by face is, and why.
     pub error: ErrorBudget,
+    /// The same for every object and material by itself.
+    pub errors: Vec<GroupError>,
     /// What each step towards an accuracy bought, where one was asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<AccuracyStep>,

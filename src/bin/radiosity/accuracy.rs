@@ -183,7 +183,7 @@ fn duration(seconds: f64) -> String {
 }
 
 /// A share in percent with two digits.
-fn percent(share: f64) -> String {
+pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     let digits = if percent > 0.0 { (1.0 - percent.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
     format!("{percent:.digits$}")

@@ -126,6 +126,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         photometry,
         undershoot: Undershoot::of(problem.operator().mass(), &solution.radiance),
         error: bars.budget,
+        errors: bars.groups,
         steps,
         warnings: scene.warnings().to_vec(),
         verdict,

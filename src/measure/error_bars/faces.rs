@@ -7,7 +7,7 @@ use crate::patches::{FaceRow, Patches};
 /// Irradiance by face, and sums over faces relative to it.
 pub(super) struct Faces {
     pub irradiance: Vec<FaceRow>,
-    /// Per patch, its face and side's row, and what part of that it is.
+    /// Per patch, its face and side's row, and what part of that it is; nothing for some faces alone.
     place: Vec<(usize, f64)>,
 }
 
@@ -20,6 +20,11 @@ impl Faces {
             on_face.for_each(|i| place[i] = (f, patches.area(i) / row.area));
         }
         Self { irradiance, place }
+    }
+
+    /// Some of the rows by themselves.
+    pub fn of_rows(&self, rows: &[usize]) -> Self {
+        Self { irradiance: rows.iter().map(|&row| self.irradiance[row].clone()).collect(), place: Vec::new() }
     }
 
     /// Averages a field over faces: a row per face and side.

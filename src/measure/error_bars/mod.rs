@@ -11,6 +11,7 @@
 mod constants;
 mod faces;
 mod fields;
+mod groups;
 mod mesh;
 mod noise;
 mod receivers;
@@ -28,6 +29,8 @@ use crate::solve::{Certainty, Problem, Solution};
 use crate::transport::{Received, Reflection};
 use faces::Faces;
 use fields::Fields;
+pub use groups::GroupError;
+use groups::by_group;
 pub(super) use mesh::Insight;
 pub(super) use noise::at_most as noise_at_most;
 pub use receivers::ReceiverBars;
@@ -45,6 +48,8 @@ pub struct ErrorBars {
     pub receivers: Vec<ReceiverBars>,
     /// What the error of faces is made from.
     pub budget: ErrorBudget,
+    /// The errors of objects and materials.
+    pub groups: Vec<GroupError>,
 }
 
 /// How wrong irradiance by face is, as area-weighted relative root mean square over all channels, and why.
@@ -135,6 +140,9 @@ impl ErrorBars {
         let by_face = by_patch.map(|field| faces.means(field));
         let sizes = Sizes::of(&faces, &by_face, patches, &solution.report);
         let budget = sizes.budget(problem, &solution.report, insight);
+        let groups = by_group(patches, &faces, &by_face, |faces, fields| {
+            Sizes::of(faces, fields, patches, &solution.report).budget(problem, &solution.report, insight)
+        });
         let bars = |(f, row): (usize, &FaceRow)| FaceRow {
             mean: (0..row.mean.len()).map(|c| sizes.bar(row.mean[c], &by_face, (f, c))).collect(),
             ..row.clone()
@@ -158,6 +166,7 @@ impl ErrorBars {
             faces: faces.irradiance.iter().enumerate().map(bars).collect(),
             receivers,
             budget,
+            groups,
         })
     }
 }

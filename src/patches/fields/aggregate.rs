@@ -7,6 +7,9 @@ use crate::patches::Patches;
 use crate::scene::Side;
 use crate::trace::sampling::{Stream, uniform_triangle};
 
+/// Less than this part of a face is rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Points of a patch at which the field of another cut is read.
 const POINTS: u32 = 64;
 
@@ -43,6 +46,21 @@ impl Patches<'_> {
                 FaceRow { face, side, area: area * self.frame.scale().powi(2), mean }
             })
             .collect()
+    }
+
+    /// Area (m²) that no light reaches on sides of faces that have patches: a row per face and side, where
+    /// there is any.
+    pub fn dark_areas(&self) -> Vec<(usize, Side, f64)> {
+        let faces = 0..self.scene.faces().len();
+        let sides = faces.flat_map(|face| Side::BOTH.map(|side| (face, side)));
+        let dark = |(face, side): (usize, Side)| {
+            let patches = self.patches_of(face, side);
+            let bare = self.bare_area(face, side);
+            let dark = bare - patches.clone().map(|i| self.areas[i]).sum::<f64>();
+            let is_dark = !patches.is_empty() && dark > ROUNDING * bare;
+            is_dark.then(|| (face, side, dark * self.frame.scale().powi(2)))
+        };
+        sides.filter_map(dark).collect()
     }
 
     /// Averages a field over the patches of another cut of the same scene (m × c) over these patches, n × c:

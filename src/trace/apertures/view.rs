@@ -75,9 +75,9 @@ impl ApertureView {
         triangle::point(&self.seen[k].corners, uniform_triangle([fresh, v]))
     }
 
-    /// Density of a ray that leads from a point of the triangle with these corners, drawn as [`target`] of a
-    /// [point of an aperture](ApertureView::point), to that point: per unit of solid angle, and relative to a
-    /// uniform one over the triangle.
+    /// Density of a ray that leads from a point of the triangle with these corners, where light from a [point
+    /// of an aperture](ApertureView::point) is looked for, to that point: per unit of solid angle, and
+    /// relative to a uniform one over the triangle.
     #[inline]
     pub fn target_pdf(&self, corners: &[DVec3; 3], point: DVec3, direction: DVec3) -> f64 {
         let pdf = |(k, opening): (usize, &Opening)| {
