@@ -85,11 +85,8 @@ fn black() -> Material {
 
 /// Points up the back wall, and along the floor.
 fn inside() -> Vec<Receiver> {
-    let receiver = |name: &str, corner: Vector, edges: [Vector; 2], counts| Receiver {
-        name: name.into(),
-        corner: corner.into(),
-        edges: edges.map(Into::into),
-        counts,
+    let receiver = |name: &str, corner: Vector, edges: [Vector; 2], counts| {
+        Receiver::grid(name, corner.into(), edges.map(Into::into), counts)
     };
     vec![
         receiver("wall", [1.9995, 0.0, -3.9999], [[0.001, 0.0, 0.0], [0.0, 3.0, 0.0]], [1, 6]),
@@ -216,12 +213,12 @@ fn glass(degrees: f64) -> Case {
     let direction = [angle.sin(), -angle.cos(), 0.0];
     let sun =
         Light::Sun { direction: direction.into(), irradiance: vec![HORIZONTAL / EFFICACY], diameter: 0.0 };
-    let receiver = Receiver {
-        name: "under".into(),
-        corner: [-0.5, 0.5, -0.5].into(),
-        edges: [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]].map(Into::into),
-        counts: [2, 2],
-    };
+    let receiver = Receiver::grid(
+        "under",
+        [-0.5, 0.5, -0.5].into(),
+        [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]].map(Into::into),
+        [2, 2],
+    );
     let light = Besides { lights: vec![sun], receivers: vec![receiver], ..Default::default() };
     let materials = vec![black(), Material::pane("pane", index, &[filter])];
     let exact = move |_| HORIZONTAL * angle.cos() * quadrature::pane(angle.cos(), index, filter);
@@ -238,11 +235,8 @@ fn spot(width: f64) -> (Quad, Area) {
 
 /// Points on a wall at x = 2.0005 that looks at the spot, and on a ceiling.
 fn above() -> Vec<Receiver> {
-    let receiver = |name: &str, corner: Vector, edges: [Vector; 2], counts| Receiver {
-        name: name.into(),
-        corner: corner.into(),
-        edges: edges.map(Into::into),
-        counts,
+    let receiver = |name: &str, corner: Vector, edges: [Vector; 2], counts| {
+        Receiver::grid(name, corner.into(), edges.map(Into::into), counts)
     };
     vec![
         receiver("wall", [2.0005, 0.0, 0.0], [[-0.001, 0.0, 0.0], [0.0, 3.0, 0.0]], [1, 6]),

@@ -152,10 +152,12 @@ impl Photometry {
         let area = receiver.edges[0].cross(receiver.edges[1]).length();
         let lux = luminous(irradiance, efficacy);
         let part = area / receiver.len() as f64;
-        let illuminance = Levels::of(lux.iter().map(|&value| (value, part)));
+        let inner: Vec<usize> =
+            (0..lux.len()).zip(receiver.inner()).filter(|(_, is)| *is).map(|(i, _)| i).collect();
+        let illuminance = Levels::of(inner.iter().map(|&i| (lux[i], part)));
         let illuminance_error = illuminance.map(|levels| {
-            let lowest = lux.iter().position(|&value| value == levels.minimum).unwrap_or(0);
-            let mean = |field: &DMatrix<f64>| luminous(field, efficacy).mean();
+            let lowest = inner.iter().copied().find(|&i| lux[i] == levels.minimum).unwrap_or(0);
+            let mean = |field: &DMatrix<f64>| luminous(&field.select_rows(&inner), efficacy).mean();
             let minimum = |field: &DMatrix<f64>| luminous(&field.rows(lowest, 1).into_owned(), efficacy)[0];
             let uniformity = |field: &DMatrix<f64>| {
                 if levels.mean > 0.0 {

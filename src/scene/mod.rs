@@ -26,7 +26,7 @@ pub use feature::Feature;
 pub use light::{Environment, GeneralSky, IntensityTable, Light, Sky, SkyKind, SkyShares};
 pub use material::{Beyond, FaceTexture, Material, Pixels, Sheet, Surface, Texture, Textures};
 pub use photometry::{EFFICACY, luminance};
-pub use receiver::Receiver;
+pub use receiver::{Measure, Receiver};
 
 use degenerate::drop_degenerate;
 pub(crate) use lifted::distance_to;

@@ -21,7 +21,7 @@ mod scattering;
 mod solid_angle;
 mod watertight;
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -161,12 +161,13 @@ pub struct Tracer<'s> {
     /// Which of coinciding faces is on top.
     layers: Layers,
     bvh: Bvh,
-    /// Found when sun or sky are first looked for.
-    apertures: OnceLock<Apertures>,
+    /// Through which places inside see sun and sky.
+    apertures: Apertures,
 }
 
 impl<'s> Tracer<'s> {
-    /// Builds the bounding volume hierarchy over the faces that take part.
+    /// Builds the bounding volume hierarchy over the faces that take part; where there is sun or sky, finds
+    /// the openings through which these come in.
     pub fn new(scene: &'s Scene) -> Self {
         let kept: Vec<u32> = (0..scene.faces().len() as u32)
             .filter(|&f| scene.faces()[f as usize].state == FaceState::Kept)
@@ -192,9 +193,10 @@ impl<'s> Tracer<'s> {
             media,
             layers,
             bvh,
-            apertures: OnceLock::new(),
+            apertures: Apertures::default(),
         };
-        Self { media: Media::new(&tracer), ..tracer }
+        let tracer = Self { media: Media::new(&tracer), ..tracer };
+        Self { apertures: Apertures::find(&tracer), ..tracer }
     }
 
     /// The scene whose faces these are.
@@ -202,9 +204,9 @@ impl<'s> Tracer<'s> {
         self.scene
     }
 
-    /// The openings through which places inside see sun and sky; first to be asked for by a single thread.
+    /// The openings through which places inside see sun and sky.
     pub(crate) fn apertures(&self) -> &Apertures {
-        self.apertures.get_or_init(|| Apertures::find(self))
+        &self.apertures
     }
 
     /// The map to and from metres.

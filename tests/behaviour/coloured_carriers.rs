@@ -157,12 +157,12 @@ fn a_receiver_takes_each_channel_as_the_mirror_colours_it() {
     let mut patches = cut(&tracer, 200);
     FormFactors::trace(&tracer, &mut patches, &TraceOptions { rays: Some(64), ..Default::default() })
         .unwrap();
-    let receiver = Receiver {
-        name: "desk".into(),
-        corner: [-0.1, 0.5, -0.1].into(),
-        edges: [[0.0, 0.0, 0.2].into(), [0.2, 0.0, 0.0].into()],
-        counts: [2, 2],
-    };
+    let receiver = Receiver::grid(
+        "desk",
+        [-0.1, 0.5, -0.1].into(),
+        [[0.0, 0.0, 0.2].into(), [0.2, 0.0, 0.0].into()],
+        [2, 2],
+    );
     let options = LightOptions { rays: 2048, ..Default::default() };
     let emitted = patches.emitted_radiance();
     let irradiance = Received::trace(&tracer, &patches, &emitted, &receiver, &options).unwrap().irradiance;

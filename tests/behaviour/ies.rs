@@ -54,12 +54,8 @@ fn illuminance_under_a_luminaire_is_that_of_its_table_by_the_inverse_square() {
         let options = LightOptions { rays: 64, ..Default::default() };
         let table = table(name);
         // At points it is exact.
-        let desk = Receiver {
-            name: "desk".into(),
-            corner: DVec3::new(-0.6, 0.5, -0.6),
-            edges: [DVec3::Z * 1.2, DVec3::X * 1.2],
-            counts: [12, 12],
-        };
+        let desk =
+            Receiver::grid("desk", DVec3::new(-0.6, 0.5, -0.6), [DVec3::Z * 1.2, DVec3::X * 1.2], [12, 12]);
         let dark = DMatrix::zeros(patches.len(), 1);
         let found = Received::trace(&tracer, &patches, &dark, &desk, &options).unwrap().irradiance;
         for (i, point) in desk.points().enumerate() {

@@ -31,7 +31,7 @@ fn scene(lamp: Quad, lights: Vec<Light>, receivers: Vec<Receiver>, sky: Option<S
 }
 
 fn desk(corner: [f64; 3], edges: [[f64; 3]; 2]) -> Receiver {
-    Receiver { name: "desk".into(), corner: corner.into(), edges: edges.map(DVec3::from), counts: [3, 3] }
+    Receiver::grid("desk", corner.into(), edges.map(DVec3::from), [3, 3])
 }
 
 fn odd(scene: &Scene) -> Vec<String> {

@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use nalgebra::DMatrix;
 use radiosity::output::Levels;
 use radiosity::patches::Basis;
-use radiosity::scene::{Material, Receiver, Sky, SkyKind};
+use radiosity::scene::{Material, Measure, Receiver, Scene, Sky, SkyKind};
 use radiosity::trace::{Tracer, form_factor_to_triangle};
 use radiosity::transport::{LightOptions, Received, Sources};
 
@@ -15,12 +16,7 @@ use crate::scratch::Scratch;
 
 /// Points on the square of half-width 0.5 at a height, facing up.
 fn desk(y: f64) -> Receiver {
-    Receiver {
-        name: "desk".into(),
-        corner: DVec3::new(-0.5, y, -0.5),
-        edges: [DVec3::Z, DVec3::X],
-        counts: [4, 3],
-    }
+    Receiver::grid("desk", DVec3::new(-0.5, y, -0.5), [DVec3::Z, DVec3::X], [4, 3])
 }
 
 #[test]
@@ -85,7 +81,7 @@ fn lights_without_area_reach_receivers_and_lit_ground_shines_back() {
 }
 
 /// Sun from straight above on a square of so wide an edge at height 0 that reflects half.
-fn sunlit(edge: f64) -> radiosity::scene::Scene {
+fn sunlit(edge: f64) -> Scene {
     let sun =
         radiosity::scene::Light::Sun { direction: DVec3::NEG_Y, irradiance: vec![100.0], diameter: 0.0 };
     let materials = vec![Material::diffuse("spot", &[0.5])];
@@ -103,12 +99,8 @@ fn receivers_see_small_sunlit_spots_and_know_their_error() {
         let sources = Sources::trace(&tracer, &patches, Basis::Constant, &options).unwrap();
         let radiance = sources.direct.unwrap() * (0.5 / PI);
         // A wall beside the spot.
-        let receiver = Receiver {
-            name: "wall".into(),
-            corner: DVec3::new(1.0, 0.05, -0.5),
-            edges: [DVec3::Z, DVec3::Y * 2.0],
-            counts: [2, 4],
-        };
+        let receiver =
+            Receiver::grid("wall", DVec3::new(1.0, 0.05, -0.5), [DVec3::Z, DVec3::Y * 2.0], [2, 4]);
         assert_eq!(receiver.normal(), DVec3::NEG_X);
         let found = Received::trace(&tracer, &patches, &radiance, &receiver, &options).unwrap();
         for (i, point) in receiver.points().enumerate() {
@@ -124,6 +116,38 @@ fn receivers_see_small_sunlit_spots_and_know_their_error() {
     }
     let rms = (z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64).sqrt();
     assert!((0.6..1.5).contains(&rms), "{rms}: {z:?}");
+}
+
+#[test]
+fn receivers_measure_on_planes_of_their_own_and_all_around() {
+    let light = DVec3::new(0.3, 1.4, 1.0);
+    let sky = Sky { kind: SkyKind::Constant, up: DVec3::Y, zenith: vec![2.0], ground: 0.0 };
+    // A floor so small that it hides next to nothing.
+    let quads = [(square(-9.0, 0.01), 0)];
+    let black = || vec![Material::diffuse("black", &[0.0])];
+    let lit = lit_quads(&quads, black(), vec![point(light, &[30.0])], None);
+    let under_sky = lit_quads(&quads, black(), Vec::new(), Some(sky));
+    let normal = DVec3::new(0.6, 0.0, 0.8);
+    for measure in [Measure::Plane, Measure::Normal(normal), Measure::Cylinder(DVec3::Y)] {
+        let receiver = Receiver { measure, maintenance: 0.5, ..desk(0.0) };
+        let measured = |scene: &Scene| {
+            let tracer = Tracer::new(scene);
+            let patches = cut_into(&tracer, 2);
+            let dark = DMatrix::zeros(patches.len(), 1);
+            let options = LightOptions { rays: 4096, ..Default::default() };
+            Received::trace(&tracer, &patches, &dark, &receiver, &options).unwrap().irradiance
+        };
+        let found = measured(&lit);
+        for (i, at) in receiver.points().enumerate() {
+            let between = light - at;
+            let exact = 0.5 * 30.0 * receiver.response(between.normalize()) / between.length_squared();
+            assert!((found[i] / exact - 1.0).abs() < 1e-3, "{measure:?} {i}: {} {exact}", found[i]);
+        }
+        // ∫ cos θ dω over a hemisphere is π, and so is ∫ sin θ dω / π over all directions.
+        for h in measured(&under_sky).iter() {
+            assert!((h / (0.5 * 2.0 * PI) - 1.0).abs() < 1e-3, "{measure:?}: {h}");
+        }
+    }
 }
 
 #[test]
@@ -154,6 +178,16 @@ fn solved(folder: &Scratch, more: &str) -> (bool, String) {
     (output.status.success(), text(&output.stderr).to_owned())
 }
 
+/// Mean, lowest, highest and uniformity of the desk with these settings besides.
+fn folder_levels(more: &str) -> Vec<f64> {
+    let folder = floor_with(&format!("{DESK}{more}"));
+    let (done, message) = solved(&folder, "--photometric");
+    assert!(done, "{message}");
+    let mut table = csv::Reader::from_path(folder.path("out/floor/photometry.csv")).unwrap();
+    let rows: Vec<csv::StringRecord> = table.records().map(|row| row.unwrap()).collect();
+    (4..8).map(|k| rows[3][k].parse().unwrap()).collect()
+}
+
 #[test]
 fn the_program_reports_lux_at_receivers_and_on_surfaces() {
     let folder = floor_with(DESK);
@@ -181,6 +215,9 @@ fn the_program_reports_lux_at_receivers_and_on_surfaces() {
     let exact = 100.0 * 4.0 * (1.0 / (2.0 * 6f64.sqrt())).atan() / 4.0;
     assert!((number(&rows[1], 4) / exact - 1.0).abs() < 1e-6, "{rows:?}");
     assert!((number(&rows[3], 6) - 100.0).abs() < 1e-6);
+    // Without its edges the desk is its middle.
+    let margin = folder_levels("margin = 0.25\nmaintenance = 0.5\n");
+    assert!((margin[0] - 50.0).abs() < 1e-6 && margin[3] == 1.0, "{margin:?}");
     // The lamp sends its intensity in all directions; black surfaces have no luminance, and receivers none
     // either.
     assert!((number(&rows[2], 3) / (400.0 * PI) - 1.0).abs() < 1e-8);
@@ -232,6 +269,10 @@ fn bad_receivers_are_refused() {
         (DESK.replace("[1, 0, 0]", "[0, 0, 2]"), "span an area"),
         (DESK.replace("points = [3, 3]", "points = [0, 3]"), "points must be"),
         (DESK.replace("-0.5, 1,", "-0.5, inf,"), "finite"),
+        (format!("{DESK}maintenance = 1.5\n"), "maintenance 1.5"),
+        (format!("{DESK}margin = 0.6\n"), "leave a point"),
+        (format!("{DESK}axis = [0, 1, 0]\n"), "only a cylindrical one"),
+        (format!("{DESK}normal = [0, 0, 0]\n"), "not all 0"),
     ] {
         let (done, message) = solved(&floor_with(&settings), "");
         assert!(!done && message.contains("receiver desk") && message.contains(words), "{message}");

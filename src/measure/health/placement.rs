@@ -50,7 +50,7 @@ pub fn odd_placement(tracer: &Tracer, seed: u64) -> Vec<String> {
         odd.extend(said(&format!("light {number}"), look(tracer, position, all.take(LOOKS as usize))));
     }
     for (number, receiver) in (0..).zip(scene.receivers()) {
-        let frame = sampling::frame_around(receiver.normal());
+        let frame = sampling::frame_around(receiver.front());
         let step = receiver.len().div_ceil(RECEIVER_POINTS).max(1);
         let points: Vec<DVec3> = receiver.points().step_by(step).collect();
         let sequence = Stream::Placement.sequence(seed, number, 1);

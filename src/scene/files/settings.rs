@@ -13,7 +13,9 @@ use super::light_settings::{LightSettings, SkySettings, World};
 use super::settings_line::line_of;
 use crate::scene::material::Sheet;
 use crate::scene::photometry::EFFICACY;
-use crate::scene::{Camera, FARTHEST, LARGEST, Material, Receiver, SceneError, SceneParts, Surface, is_near};
+use crate::scene::{
+    Camera, FARTHEST, LARGEST, Material, Measure, Receiver, SceneError, SceneParts, Surface, is_near,
+};
 
 /// The content of a scene's `.toml`.
 #[derive(Debug, Deserialize)]
@@ -53,7 +55,26 @@ struct ReceiverSettings {
     name: String,
     corner: [f64; 3],
     edges: [[f64; 3]; 2],
-    points: [usize; 2],
+    /// By the rule of EN 12464-1 if not given.
+    points: Option<[usize; 2]>,
+    #[serde(default)]
+    kind: MeasureSettings,
+    /// Of a plane; of the receiver itself if not given.
+    normal: Option<[f64; 3]>,
+    /// Of a cylinder; y if not given.
+    axis: Option<[f64; 3]>,
+    /// In the unit of the scene.
+    #[serde(default)]
+    margin: f64,
+    maintenance: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq)]
+#[serde(rename_all = "lowercase")]
+enum MeasureSettings {
+    #[default]
+    Planar,
+    Cylindrical,
 }
 
 #[derive(Debug, Deserialize)]
@@ -229,9 +250,27 @@ impl SettingsFile<'_> {
     }
 
     fn receiver(&self, given: &Spanned<ReceiverSettings>, unit: f64) -> Result<Receiver, SceneError> {
-        let ReceiverSettings { name, corner, edges, points } = given.get_ref();
-        let [corner, a, b] = [*corner, edges[0], edges[1]].map(|v| DVec3::from(v) * unit);
-        let receiver = Receiver { name: name.clone(), corner, edges: [a, b], counts: *points };
+        let ReceiverSettings { name, corner, edges, points, .. } = given.get_ref();
+        let [corner, a, b] = [corner, &edges[0], &edges[1]].map(|&p| DVec3::from(p) * unit);
+        let counts = points.unwrap_or_else(|| Receiver::usual_counts([a, b]));
+        let wrong = |message: &str| self.error(given, format!("receiver {name}: {message}"));
+        let ReceiverSettings { kind, normal, axis, margin, maintenance, .. } = *given.get_ref();
+        let unit_vector = |v: [f64; 3]| DVec3::from(v).normalize_or_zero();
+        let measure = match (kind, normal, axis) {
+            (MeasureSettings::Planar, None, None) => Measure::Plane,
+            (MeasureSettings::Planar, Some(normal), None) => Measure::Normal(unit_vector(normal)),
+            (MeasureSettings::Cylindrical, None, axis) => {
+                Measure::Cylinder(axis.map_or(DVec3::Y, unit_vector))
+            }
+            (MeasureSettings::Planar, ..) => return Err(wrong("only a cylindrical one has an axis")),
+            (MeasureSettings::Cylindrical, ..) => return Err(wrong("a cylindrical one has no normal")),
+        };
+        let receiver = Receiver {
+            measure,
+            margin: margin * unit,
+            maintenance: maintenance.unwrap_or(1.0),
+            ..Receiver::grid(name, corner, [a, b], counts)
+        };
         let checked = receiver.check();
         checked.map_err(|message| self.error(given, format!("receiver {name}: {message}")))?;
         Ok(receiver)

@@ -71,9 +71,16 @@ pub fn planes(tracer: &Tracer) -> Vec<Plane> {
     planes
 }
 
+/// The most faces of a scene whose free edges are looked for; a number. Chosen, not fitted: a tenth of a
+/// second. Of larger scenes the planes of faces have to do.
+const MOST_FACES: usize = 1 << 16;
+
 /// The planes of each two free edges that meet: edges of one face alone.
 fn rims(tracer: &Tracer) -> Vec<Plane> {
     let scene = tracer.scene();
+    if scene.faces().len() > MOST_FACES {
+        return Vec::new();
+    }
     let bits = |p: DVec3| (p + 0.0).to_array().map(f64::to_bits);
     // Sorted, so that the same scene has the same planes.
     let mut count: BTreeMap<[[u64; 3]; 2], (u32, [DVec3; 2])> = BTreeMap::new();

@@ -85,10 +85,6 @@ impl Lights {
         let scene = tracer.scene();
         let lamps: Vec<Source> = scene.lights().map(source).collect();
         let sky = scene.sky().map(SkySampler::new);
-        if sky.is_some() || lamps.iter().any(|lamp| matches!(lamp.place, Place::Towards(..))) {
-            // Before threads ask for them: what finds them is itself many threads.
-            tracer.apertures();
-        }
         (!lamps.is_empty() || sky.is_some()).then_some(Self { lamps, sky })
     }
 

@@ -26,11 +26,8 @@ fn scenes_without_anything_that_carries_light_have_none_carried() {
 #[test]
 fn receivers_get_what_mirrors_send_them() {
     let down = DVec3::new(1.0, -1.0, 0.0).normalize();
-    let receiver = |corner: [f64; 3], edges: [[f64; 3]; 2]| Receiver {
-        name: "grid".into(),
-        corner: corner.into(),
-        edges: edges.map(DVec3::from),
-        counts: [4, 2],
+    let receiver = |corner: [f64; 3], edges: [[f64; 3]; 2]| {
+        Receiver::grid("grid", corner.into(), edges.map(DVec3::from), [4, 2])
     };
     // It looks down at a mirror from within the beam; a second one is above it and looks up.
     let facing = receiver([-0.1, 0.5, -0.1], [[0.2, 0.0, 0.0], [0.0, 0.0, 0.2]]);

@@ -23,6 +23,7 @@ struct Grid {
     corner: DVec3,
     edges: [DVec3; 2],
     normal: DVec3,
+    receiver: Receiver,
     /// From scalar products with the edges to coordinates along them.
     inverse: DMat2,
     counts: [usize; 2],
@@ -37,6 +38,7 @@ impl Grid {
             corner: tracer.frame().from_world(receiver.corner),
             edges,
             normal: receiver.normal(),
+            receiver: receiver.clone(),
             inverse: products.inverse(),
             counts: receiver.counts,
         }
@@ -47,19 +49,21 @@ impl Grid {
         self.edges[0].cross(self.edges[1]).length() / (self.counts[0] * self.counts[1]) as f64
     }
 
-    /// The cell that a ray crosses from the front within this distance.
+    /// The cell that a ray crosses within this distance, and what part of its flux by the cell's area counts.
     #[inline]
-    fn crossed(&self, ray: &Ray, distance: f64) -> Option<usize> {
+    fn crossed(&self, ray: &Ray, distance: f64) -> Option<(usize, f64)> {
         let along = ray.direction.dot(self.normal);
         let to_plane = (self.corner - ray.origin).dot(self.normal) / along;
-        if along >= 0.0 || !(to_plane > 0.0 && to_plane < distance) {
+        let response = self.receiver.response(-ray.direction);
+        if response <= 0.0 || !(to_plane > 0.0 && to_plane < distance) {
             return None;
         }
         let from_corner = ray.origin + to_plane * ray.direction - self.corner;
         let [x, y] = (self.inverse * DVec2::from(self.edges.map(|edge| edge.dot(from_corner)))).to_array();
         let [columns, rows] = self.counts;
         let inside = (0.0..1.0).contains(&x) && (0.0..1.0).contains(&y);
-        inside.then(|| (y * rows as f64) as usize * columns + (x * columns as f64) as usize)
+        let counts = self.receiver.maintenance * response / along.abs();
+        inside.then(|| ((y * rows as f64) as usize * columns + (x * columns as f64) as usize, counts))
     }
 }
 
@@ -145,9 +149,9 @@ struct Flight<'a> {
 
 impl Flight<'_> {
     fn cross(&mut self, ray: &Ray, distance: f64) {
-        if let Some(cell) = self.grid.crossed(ray, distance) {
+        if let Some((cell, counts)) = self.grid.crossed(ray, distance) {
             let irradiance =
-                self.power.iter().zip(&*self.left).map(|(power, left)| self.worth * power * left);
+                self.power.iter().zip(&*self.left).map(|(power, left)| counts * self.worth * power * left);
             self.found.push((cell, irradiance.collect()));
         }
     }

@@ -25,7 +25,7 @@ use crate::trace::sampling::SEQUENCE_END;
 use crate::trace::{Lamps, Lights, Tracer};
 use crate::transport::rows::Tones;
 use crossings::add_crossings;
-use point::{Found, Gather};
+use point::{Found, Gather, PLANES};
 
 /// Points between two reports of progress.
 const CHUNK: usize = 1024;
@@ -130,7 +130,9 @@ impl ReceiverRows {
             bright: BrightParts::new(tracer, patches, &basis.means(radiance), &lamps),
             lamps,
             lights: Lights::new(tracer),
-            normal: receiver.normal(),
+            measure: receiver.measure,
+            front: receiver.front(),
+            maintenance: receiver.maintenance,
             rays: rays_of(points.len(), patches.len(), options.rays),
             seed: options.seed,
             tones: Tones::of(tracer.scene()),
@@ -190,5 +192,7 @@ impl ReceiverRows {
 fn rays_of(points: usize, patches: usize, rays: u32) -> u32 {
     let affordable = PART_OF_ALL * patches as f64 * f64::from(rays) / points as f64;
     let most = MOST_RAYS.max(rays).min(BATCHES * SEQUENCE_END);
-    rays.max(affordable.min(f64::from(most)) as u32).clamp(BATCHES, most).next_multiple_of(BATCHES)
+    rays.max(affordable.min(f64::from(most)) as u32)
+        .clamp(BATCHES * PLANES, most)
+        .next_multiple_of(BATCHES * PLANES)
 }

@@ -1,15 +1,16 @@
 //! A receiver's point: what its rays find.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 
 use super::BATCHES;
 use crate::patches::{Basis, BrightParts, BrightView, Patches};
-use crate::scene::{Side, triangle};
+use crate::scene::{Measure, Side, triangle};
 use crate::trace::sampling::{
-    Sampler, Stream, cosine_hemisphere, cosine_hemisphere_pdf, frame_around, power_heuristic,
+    Sampler, Sequence, Stream, cosine_hemisphere, cosine_hemisphere_pdf, frame_around, power_heuristic,
 };
 use crate::trace::{
     Arrival, Destination, Hit, Interaction, LampView, Lamps, Lights, Ray, RayHit, SkyView, Tint, Tracer,
@@ -25,8 +26,11 @@ pub(super) struct Gather<'a, 's> {
     pub lamps: Lamps,
     pub bright: BrightParts,
     pub lights: Option<Lights>,
-    /// The side on which light is measured, a unit vector.
-    pub normal: DVec3,
+    pub measure: Measure,
+    /// Towards what the receiver's plane looks, a unit vector.
+    pub front: DVec3,
+    /// By which all is multiplied.
+    pub maintenance: f64,
     /// Rays a point, a multiple of the batches.
     pub rays: u32,
     pub seed: u64,
@@ -45,9 +49,23 @@ pub(super) struct Found {
     pub batches: Vec<f64>,
 }
 
-/// A point while its light is found.
+/// Planes that stand for a cylinder in each batch of rays; a number. Chosen, not fitted: those of all batches
+/// look in as many directions.
+pub(super) const PLANES: u32 = 8;
+
+/// Rays of a point.
+struct Drawn {
+    /// The point's number.
+    number: u32,
+    batch: u32,
+    /// Which of the batch.
+    rays: Range<u32>,
+}
+
+/// A plane through a point while its light is found.
 struct Place {
     point: DVec3,
+    normal: DVec3,
     frame: DMat3,
     lamps: LampView,
     bright: BrightView,
@@ -66,26 +84,35 @@ impl Gather<'_, '_> {
     /// The light at the point of this number.
     pub fn at(&self, point: DVec3, number: u32) -> Found {
         let channels = self.radiance.ncols();
-        let place = Place {
-            point,
-            frame: frame_around(self.normal),
-            lamps: self.lamps.view_from(point, (&[point], self.normal)),
-            bright: self.bright.view_from(point, self.normal),
-            sky: self.lights.as_ref().and_then(|lights| lights.sky_over(self.tracer, &[point], self.normal)),
+        let plane = match self.measure {
+            Measure::Cylinder(_) => None,
+            Measure::Plane | Measure::Normal(_) => Some(self.place(point, self.front)),
         };
         let mut found = Found {
             rows: vec![Vec::new(); self.tones.len()],
             direct: vec![0.0; channels],
             batches: vec![0.0; channels * BATCHES as usize],
         };
-        let mut scratch = vec![0.0; channels];
         for batch in 0..BATCHES {
             let firsts: Vec<usize> = found.rows.iter().map(Vec::len).collect();
             let before = found.direct.clone();
-            let of_batch = (number, batch);
-            self.add_rays(&place, of_batch, &mut found);
-            self.add_bright(&place, of_batch, &mut found);
-            self.add_lights(&place, of_batch, [&mut found.direct, &mut scratch]);
+            match (&plane, self.measure) {
+                (None, Measure::Cylinder(axis)) => {
+                    let frame = frame_around(axis);
+                    for plane in 0..PLANES {
+                        let part = f64::from(plane * BATCHES + batch) / f64::from(PLANES * BATCHES);
+                        let (sine, cosine) = (TAU * part).sin_cos();
+                        let place = self.place(point, frame * DVec3::new(cosine, sine, 0.0));
+                        let own = self.rays / (BATCHES * PLANES);
+                        let rays = plane * own..(plane + 1) * own;
+                        self.add(&place, Drawn { number, batch, rays }, &mut found);
+                    }
+                }
+                (Some(place), _) => {
+                    self.add(place, Drawn { number, batch, rays: 0..self.rays / BATCHES }, &mut found)
+                }
+                (None, _) => {}
+            }
             for (c, sum) in found.batches[batch as usize * channels..][..channels].iter_mut().enumerate() {
                 let tone = self.tones.of_channel(c);
                 let new = found.rows[tone][firsts[tone]..].iter();
@@ -96,26 +123,50 @@ impl Gather<'_, '_> {
         for row in &mut found.rows {
             row.sort_by_key(|&(j, _)| j);
             let sums = row.chunk_by(|a, b| a.0 == b.0);
-            *row = sums.map(|run| (run[0].0, run.iter().map(|&(_, f)| f).sum())).collect();
+            let sum = |run: &[(u32, f64)]| self.maintenance * run.iter().map(|&(_, f)| f).sum::<f64>();
+            *row = sums.map(|run| (run[0].0, sum(run))).collect();
         }
+        found.direct.iter_mut().chain(&mut found.batches).for_each(|h| *h *= self.maintenance);
         found
     }
 
+    /// A plane through a point with a normal.
+    fn place(&self, point: DVec3, normal: DVec3) -> Place {
+        let sky = self.lights.as_ref().and_then(|lights| lights.sky_over(self.tracer, &[point], normal));
+        Place {
+            point,
+            normal,
+            frame: frame_around(normal),
+            lamps: self.lamps.view_from(point, (&[point], normal)),
+            bright: self.bright.view_from(point, normal),
+            sky,
+        }
+    }
+
+    /// Adds what some rays of a batch of a point find.
+    fn add(&self, place: &Place, Drawn { number, batch, rays }: Drawn, found: &mut Found) {
+        let drawn = |stream: Stream| {
+            let (sequence, points) = stream.stretch(self.seed, number, u64::from(batch), self.rays / BATCHES);
+            (sequence, points.start + rays.start..points.start + rays.end)
+        };
+        self.add_rays(place, drawn(Stream::Receivers), found);
+        self.add_bright(place, drawn(Stream::ReceiverBright), found);
+        self.add_lights(place, drawn(Stream::ReceiverLights), &mut found.direct);
+    }
+
     /// Adds what cosine-distributed rays find, and points drawn on lamps.
-    fn add_rays(&self, place: &Place, (number, batch): (u32, u32), found: &mut Found) {
-        let &Place { point, ref lamps, .. } = place;
+    fn add_rays(&self, place: &Place, (sequence, points): (Sequence, Range<u32>), found: &mut Found) {
+        let &Place { point, normal, ref lamps, .. } = place;
         let rays = f64::from(self.rays);
         // Density of all samples on a lamp's point, per unit of normalised area: rays find it with density g,
         // lamp samples with p.
         let share = |g: f64, p: f64| g / (rays * (g + p));
-        let (sequence, points) =
-            Stream::Receivers.stretch(self.seed, number, u64::from(batch), self.rays / BATCHES);
         for k in points {
             let [x, y, u, v] = sequence.point(k);
             let direction = place.frame * cosine_hemisphere([x, y]);
             self.add_ray(place, direction, Sampler { sequence, point: k, set: 1 }, found);
             let Some(lamp) = self.lamps.sample(lamps, [u, v]) else { continue };
-            let g = geometry_term((point, self.normal), (lamp.point, lamp.normal));
+            let g = geometry_term((point, normal), (lamp.point, lamp.normal));
             if g > 0.0 && self.tracer.unoccluded((point, Ray::FREE), (lamp.point, lamp.face)) {
                 let there = self.on_patch(lamp.face as usize, Side::Front, lamp.barycentrics);
                 self.push(&mut found.rows, there, |_| share(g, lamp.pdf));
@@ -172,26 +223,24 @@ impl Gather<'_, '_> {
         let face = hit.face as usize;
         if self.lamps.contains(face, hit.side) {
             let there = (place.point + direction * hit.distance, self.tracer.normal(face, hit.side));
-            let g = geometry_term((place.point, self.normal), there);
+            let g = geometry_term((place.point, place.normal), there);
             // What lamp samples can't face is left to rays.
             return if g > 0.0 { g / (rays * (g + self.lamps.pdf(&place.lamps, face))) } else { 1.0 / rays };
         }
         let by_part = self.bright.pdf(&place.bright, place.point, direction, hit);
-        power_heuristic(cosine_hemisphere_pdf(self.normal.dot(direction)), by_part) / rays
+        power_heuristic(cosine_hemisphere_pdf(place.normal.dot(direction)), by_part) / rays
     }
 
     /// Adds what points drawn on bright patches bring.
-    fn add_bright(&self, place: &Place, (number, batch): (u32, u32), found: &mut Found) {
+    fn add_bright(&self, place: &Place, (sequence, points): (Sequence, Range<u32>), found: &mut Found) {
         if place.bright.is_empty() {
             return;
         }
         let rays = f64::from(self.rays);
-        let (sequence, points) =
-            Stream::ReceiverBright.stretch(self.seed, number, u64::from(batch), self.rays / BATCHES);
         for k in points {
             let [u, v, ..] = sequence.point(k);
             let Some(to) = self.bright.sample(&place.bright, place.point, [u, v]) else { continue };
-            let by_cosine = cosine_hemisphere_pdf(self.normal.dot(to.direction));
+            let by_cosine = cosine_hemisphere_pdf(place.normal.dot(to.direction));
             if by_cosine <= 0.0 {
                 continue;
             }
@@ -205,19 +254,17 @@ impl Gather<'_, '_> {
     }
 
     /// Adds what lights without area and the sky bring straight.
-    fn add_lights(&self, place: &Place, (number, batch): (u32, u32), [direct, scratch]: [&mut Vec<f64>; 2]) {
+    fn add_lights(&self, place: &Place, (sequence, points): (Sequence, Range<u32>), direct: &mut [f64]) {
         let Some(lights) = &self.lights else { return };
-        let (sequence, points) =
-            Stream::ReceiverLights.stretch(self.seed, number, u64::from(batch), self.rays / BATCHES);
-        let (point, normal) = (place.point, self.normal);
+        let (point, normal) = (place.point, place.normal);
         let free = Interaction { face: Ray::FREE, side: Side::Front, point, normal, coat: None };
         let here = Arrival { place: free, sky: place.sky.as_ref() };
-        let mut arrived = vec![0.0; direct.len()];
+        let [mut arrived, mut scratch] = [0, 1].map(|_| vec![0.0; direct.len()]);
         for k in points {
             let [u, v, s, t] = sequence.point(k);
             let mut numbers = [[u, v], [s, t]].into_iter().cycle();
             let mut random = || numbers.next().unwrap_or([u, v]);
-            lights.add_irradiance(self.tracer, &here, &mut random, [&mut arrived, scratch]);
+            lights.add_irradiance(self.tracer, &here, &mut random, [&mut arrived, &mut scratch]);
         }
         direct.iter_mut().zip(arrived).for_each(|(sum, h)| *sum += h / f64::from(self.rays));
     }
