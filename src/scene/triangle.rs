@@ -8,6 +8,15 @@ pub(crate) fn point(&[a, b, c]: &[DVec3; 3], [u, v]: [f64; 2]) -> DVec3 {
     a + (b - a) * u + (c - a) * v
 }
 
+/// The weights of the second and third corner at a point of the triangle's plane; not finite where there is
+/// no area.
+#[inline]
+pub(crate) fn weights_at(corners: &[DVec3; 3], point: DVec3) -> [f64; 2] {
+    let (&[a, b, c], across) = (corners, across(corners));
+    let (to, squared) = (point - a, across.length_squared());
+    [to.cross(c - a).dot(across) / squared, (b - a).cross(to).dot(across) / squared]
+}
+
 /// The weights of all three corners at the point with these of the second and third: 1 together, and what
 /// linear functions that are 1 at one corner and 0 at the others have there.
 #[inline]

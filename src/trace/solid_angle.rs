@@ -73,15 +73,13 @@ pub fn target(from: DVec3, corners: &[DVec3; 3], square: [f64; 2]) -> Target {
     if !is_near(from, corners) {
         return uniform();
     }
-    let [a, b, c] = *corners;
+    let a = corners[0];
     let directions = corners.map(|corner| (corner - from).normalize_or_zero());
     let direction = uniform_spherical_triangle(directions, square);
     let across = triangle::across(corners);
     let (height, cosine) = (across.dot(a - from), across.dot(direction));
     let distance = height / cosine;
-    let to = from + distance * direction - a;
-    let squared = across.length_squared();
-    let weights = [to.cross(c - a).dot(across) / squared, (b - a).cross(to).dot(across) / squared];
+    let weights = triangle::weights_at(corners, from + distance * direction);
     // In the triangle's own plane there is no solid angle to draw from.
     let density = 0.5 * cosine.abs() / (distance * distance * solid_angle(from, corners));
     if !(density > 0.0 && density.is_finite() && weights.into_iter().all(f64::is_finite)) {

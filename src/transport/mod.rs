@@ -5,6 +5,7 @@
 //! [`Transport`] adds the reflectances and is the operator that the solvers invert. The two stay apart so
 //! that other reflectances, lamps and lamp powers cost no rays.
 
+mod batches;
 mod exchange;
 mod form_factors;
 mod lanczos;
@@ -15,6 +16,7 @@ mod rows;
 mod sources;
 mod symmetric_system;
 
+pub(crate) use batches::variance_of_mean;
 pub use exchange::{Blocks, Closure, Exchange, Mass, Storage, StorageKind};
 pub use form_factors::{
     DISAGREE, Disagreement, FactorsFileError, FormFactors, GroupFactor, Keep, Merged, Occlusion, Reuse,

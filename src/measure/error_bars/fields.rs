@@ -10,6 +10,7 @@ use crate::measure::MeasureError;
 use crate::patches::Patches;
 use crate::progress::Progress;
 use crate::solve::{Problem, Solution};
+use crate::transport::variance_of_mean;
 
 /// What each source of error does to irradiance, W·m⁻²: a row per patch, or per face and side, and a column
 /// per channel.
@@ -67,7 +68,7 @@ impl Fields {
 
     /// The square of the error of a linear function of irradiance, as far as these tell it.
     pub fn squared(&self, of: impl Fn(&DMatrix<f64>) -> f64) -> f64 {
-        let noise = noise::variance_of(&self.rays, &of) + noise::variance_of(&self.lamps, &of);
+        let noise = variance_of_mean(&self.rays, &of) + variance_of_mean(&self.lamps, &of);
         let [a, b] = self.variation.each_ref().map(&of);
         let missing = self.missing.as_ref().map_or(0.0, &of);
         noise + of(&self.merging).powi(2) + (a * b).max(0.0) + missing * missing

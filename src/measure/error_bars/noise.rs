@@ -11,7 +11,9 @@ use super::constants::{CLUSTERS, EVENNESS, FEWEST_PER_CLUSTER, NOISE_AT_MOST, NO
 use crate::measure::MeasureError;
 use crate::patches::{Basis, Patches};
 use crate::solve::{DirectOptions, direct};
-use crate::transport::{BATCHES, FormFactors, Merged, Reflection, Sources, Spread, Transport};
+use crate::transport::{
+    BATCHES, FormFactors, Merged, Reflection, Sources, Spread, Transport, variance_of_mean,
+};
 
 /// Samples of the noise in irradiance, by what it comes from; their mean over batches is zero.
 pub(super) struct Noise {
@@ -62,18 +64,7 @@ pub(in crate::measure) fn at_most(rays: u32, basis: Basis) -> f64 {
     }
 }
 
-/// The variance of a linear function of the mean of batches whose own mean is zero; 0 where there are none.
-pub(super) fn variance_of(batches: &[DMatrix<f64>], of: impl Fn(&DMatrix<f64>) -> f64) -> f64 {
-    let count = batches.len() as f64;
-    if batches.is_empty() {
-        0.0
-    } else {
-        batches.iter().map(|batch| of(batch).powi(2)).sum::<f64>() / (count * (count - 1.0))
-    }
-}
-
 /// The variance of one value of the mean of batches whose own mean is zero.
 pub(super) fn variance(batches: &[DMatrix<f64>], at: (usize, usize)) -> f64 {
-    let count = batches.len() as f64;
-    batches.iter().map(|batch| batch[at].powi(2)).sum::<f64>() / (count * (count - 1.0))
+    variance_of_mean(batches, |batch| batch[at])
 }

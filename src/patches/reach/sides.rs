@@ -271,8 +271,7 @@ impl Patches<'_> {
         let mut lit: Vec<bool> = (0..self.slots() as u32).into_par_iter().map(is_lit).collect();
         self.shine_through(tracer, lights, seed, &mut lit);
         self.shine_by_carriers(tracer, lights, seed, &mut lit);
-        let is_unwanted = |slot: u32| !self.is_wanted(slot);
-        lit.iter_mut().zip(0..).for_each(|(lit, slot)| *lit &= !is_unwanted(slot));
+        lit.iter_mut().zip(0..).for_each(|(lit, slot)| *lit &= self.is_wanted(slot));
         lit
     }
 

@@ -60,13 +60,9 @@ impl Through<'_> {
         let (k, fresh) = self.chances.draw(u);
         let from = triangle::point(&self.seen[k].corners, uniform_triangle([fresh, v]));
         let across = triangle::across(corners);
-        let [a, b, c] = *corners;
-        let distance = across.dot(from - a) / across.dot(towards);
-        let at = from - distance * towards - a;
-        let squared = across.length_squared();
-        let weights = [at.cross(c - a).dot(across) / squared, (b - a).cross(at).dot(across) / squared];
-        let [s, t] = weights;
-        (distance > 0.0 && s >= 0.0 && t >= 0.0 && s + t <= 1.0).then_some(weights)
+        let distance = across.dot(from - corners[0]) / across.dot(towards);
+        let [s, t] = triangle::weights_at(corners, from - distance * towards);
+        (distance > 0.0 && s >= 0.0 && t >= 0.0 && s + t <= 1.0).then_some([s, t])
     }
 
     /// Density with which [`Through::sample`] draws a point of a triangle with this normal, per unit of

@@ -92,7 +92,7 @@ streams! {
     NearPhotons = 30,
     /// Directions in which lights and receivers look around: their number; 0 for lights and 1 for receivers.
     Placement = 31,
-    /// Points on bright patches seen from receivers: stretches by point; the batch.
+    /// Points on bright parts of faces seen from receivers: stretches by point; the batch.
     ReceiverBright = 33,
     /// Rays from suns and the sky by which they are found to reach slots: the aperture; twice the light, plus
     /// 1 for those on all of the scene.

@@ -24,6 +24,7 @@ use crate::scene::Receiver;
 use crate::trace::sampling::SEQUENCE_END;
 use crate::trace::{Lamps, Lights, Tracer};
 use crate::transport::rows::Tones;
+use crate::transport::variance_of_mean;
 use crossings::add_crossings;
 use point::{Found, Gather, PLANES};
 
@@ -61,12 +62,7 @@ pub struct ReceiverNoise {
 impl ReceiverNoise {
     /// The variance of a linear function of the points' irradiance (m × c, W·m⁻²), in the square of its unit.
     pub fn variance(&self, of: impl Fn(&DMatrix<f64>) -> f64) -> f64 {
-        let variance = |batches: &[DMatrix<f64>]| {
-            let count = batches.len() as f64;
-            let squares: f64 = batches.iter().map(|batch| of(batch).powi(2)).sum();
-            if batches.is_empty() { 0.0 } else { squares / (count * (count - 1.0)) }
-        };
-        variance(&self.rays) + variance(&self.crossings)
+        variance_of_mean(&self.rays, &of) + variance_of_mean(&self.crossings, &of)
     }
 }
 

@@ -72,6 +72,14 @@ struct Place {
     sky: Option<SkyView>,
 }
 
+/// Where the rays of a point go.
+enum Aim {
+    /// Before a plane.
+    Plane(Place),
+    /// Before planes around the third axis of this frame.
+    AllAround(DMat3),
+}
+
 /// A place on a patch.
 #[derive(Clone, Copy)]
 struct OnPatch {
@@ -84,9 +92,9 @@ impl Gather<'_, '_> {
     /// The light at the point of this number.
     pub fn at(&self, point: DVec3, number: u32) -> Found {
         let channels = self.radiance.ncols();
-        let plane = match self.measure {
-            Measure::Cylinder(_) => None,
-            Measure::Plane | Measure::Normal(_) => Some(self.place(point, self.front)),
+        let aim = match self.measure {
+            Measure::Cylinder(axis) => Aim::AllAround(frame_around(axis)),
+            Measure::Plane | Measure::Normal(_) => Aim::Plane(self.place(point, self.front)),
         };
         let mut found = Found {
             rows: vec![Vec::new(); self.tones.len()],
@@ -96,22 +104,20 @@ impl Gather<'_, '_> {
         for batch in 0..BATCHES {
             let firsts: Vec<usize> = found.rows.iter().map(Vec::len).collect();
             let before = found.direct.clone();
-            match (&plane, self.measure) {
-                (None, Measure::Cylinder(axis)) => {
-                    let frame = frame_around(axis);
+            match &aim {
+                Aim::AllAround(frame) => {
                     for plane in 0..PLANES {
                         let part = f64::from(plane * BATCHES + batch) / f64::from(PLANES * BATCHES);
                         let (sine, cosine) = (TAU * part).sin_cos();
-                        let place = self.place(point, frame * DVec3::new(cosine, sine, 0.0));
+                        let place = self.place(point, *frame * DVec3::new(cosine, sine, 0.0));
                         let own = self.rays / (BATCHES * PLANES);
                         let rays = plane * own..(plane + 1) * own;
                         self.add(&place, Drawn { number, batch, rays }, &mut found);
                     }
                 }
-                (Some(place), _) => {
+                Aim::Plane(place) => {
                     self.add(place, Drawn { number, batch, rays: 0..self.rays / BATCHES }, &mut found)
                 }
-                (None, _) => {}
             }
             for (c, sum) in found.batches[batch as usize * channels..][..channels].iter_mut().enumerate() {
                 let tone = self.tones.of_channel(c);
@@ -178,14 +184,15 @@ impl Gather<'_, '_> {
     fn add_ray(&self, place: &Place, direction: DVec3, mut numbers: Sampler, found: &mut Found) {
         let ray = Ray { origin: place.point, direction, from: Ray::FREE };
         let rays = f64::from(self.rays);
-        let mut colour = vec![1.0; self.tones.len()];
+        // What carriers leave of it in each tone; nothing where it meets none.
+        let mut colour: Vec<f64> = Vec::new();
         let mut is_straight = true;
         let end = match self.tracer.closest_hit(&ray) {
             None => Destination::Away(ray),
             Some(hit) if !self.tracer.may_go_on(hit.face) => Destination::Diffuse { hit, carried: false },
             Some(hit) => {
                 let numbers = |_: u32| numbers.next();
-                // Dimmed in each tone.
+                colour.resize(self.tones.len(), 1.0);
                 let dims = |tint: Tint, _: f64| {
                     colour
                         .iter_mut()
@@ -202,7 +209,7 @@ impl Gather<'_, '_> {
             Destination::Diffuse { hit, carried } => {
                 let weight = if carried { 1.0 / rays } else { self.worth(place, direction, &hit) };
                 let there = self.on_patch(hit.face as usize, hit.side, hit.barycentrics);
-                self.push(&mut found.rows, there, |tone| weight * colour[tone]);
+                self.push(&mut found.rows, there, |tone| weight * colour.get(tone).unwrap_or(&1.0));
             }
             // Straight it is looked for by itself.
             Destination::Away(last) if !is_straight => {
