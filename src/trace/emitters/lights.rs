@@ -233,8 +233,8 @@ impl Lights {
     }
 
     /// Adds to `irradiance` (per channel, W·m⁻²) what reaches a point of a face's side, by one beam from each
-    /// light and one from the sky, unbiased. `random` gives numbers
-    /// for each; `scratch` has a value a channel.
+    /// light and one from the sky; unbiased. `random` gives numbers for each; `scratch` has a value a
+    /// channel.
     pub(crate) fn add_irradiance(
         &self,
         tracer: &Tracer,

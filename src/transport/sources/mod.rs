@@ -265,12 +265,13 @@ const THROUGH_APERTURES: f64 = 0.75;
 
 impl LightLook<'_> {
     /// A point of the patch on which light from a direction falls, and its density, relative to a uniform
-    /// one.
-    fn point_under(&self, towards: DVec3, [s, t]: [f64; 2]) -> Option<([f64; 2], f64)> {
+    /// one; the direction is asked for only where it matters.
+    fn point_under(&self, towards: impl Fn() -> DVec3, [s, t]: [f64; 2]) -> Option<([f64; 2], f64)> {
         let Facet { corners, normal, .. } = &self.facet;
         if self.through.is_empty() {
             return Some((sampling::uniform_triangle([s, t]), 1.0));
         }
+        let towards = towards();
         let at = match s < THROUGH_APERTURES {
             true => self.through.sample(towards, corners, [s / THROUGH_APERTURES, t])?,
             false => sampling::uniform_triangle([(s - THROUGH_APERTURES) / (1.0 - THROUGH_APERTURES), t]),
@@ -375,7 +376,7 @@ impl Look<'_> {
                 let at = self.lights.point_near(light, &facet.corners, facet.normal, [s, t]);
                 (at, self.lights.beam(light, triangle::point(&facet.corners, at), [u, v]), 1.0)
             } else {
-                let towards = self.lights.beam(light, facet.centre(), [u, v]).direction;
+                let towards = || self.lights.beam(light, facet.centre(), [u, v]).direction;
                 let Some((at, density)) = look.point_under(towards, [s, t]) else { continue };
                 let beam = self.lights.beam(light, triangle::point(&facet.corners, at), [u, v]);
                 (at, beam, beam.density * facet.normal.dot(beam.direction) / density)
