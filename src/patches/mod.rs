@@ -26,8 +26,9 @@ use crate::progress::{Cancelled, Progress};
 use crate::scene::{FaceTexture, Feature, Scene, Side, triangle};
 use crate::trace::{Frame, Tracer};
 pub use bright::{BrightParts, BrightPoint, BrightView};
+pub(crate) use cut::Fineness;
 pub use cut::{Barycentrics, Cutter, Outlook, Stretch};
-use cut::{Cuts, Parting, Parts, Uncut};
+use cut::{Cuts, Parting, Parts};
 pub(crate) use facet::Facet;
 pub use fields::{Basis, Clusters, FaceRow, Group, GroupBy, Groups, Sheets};
 pub use reach::{Reach, seeing_sides};
@@ -36,7 +37,9 @@ pub use reach::{Reach, seeing_sides};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PatchSize {
     /// About so many patches in all. Faces are never merged, so a mesh of many faces has at least as many
-    /// patches; even then half the count goes to cutting its larger faces.
+    /// patches; even then half the count goes to cutting its larger faces. Wide faces with nothing over or
+    /// under them, such as the ground around a house, are not counted: they have an eighth as many more,
+    /// that grow with their distance from all else.
     Count(usize),
     /// No leg of a patch longer than this, metres.
     Edge(f64),
@@ -122,7 +125,7 @@ pub struct Patches<'s> {
     per_area: Vec<f64>,
     /// Per patch, normalised frame; empty where they are the areas.
     etendues: Vec<f64>,
-    edge: f64,
+    fineness: Fineness,
     /// Whether light comes through any face.
     is_translucent: bool,
     /// Per slot, whether another face covers it; empty where no faces coincide.
@@ -163,10 +166,10 @@ impl<'s> Patches<'s> {
         Cutter::new(tracer)?.cut(options)
     }
 
-    /// Cuts every face for legs up to `edge` (normalised); no slot is a patch yet.
+    /// Cuts every face; no slot is a patch yet.
     fn cut(
         tracer: &Tracer<'s>,
-        edge: f64,
+        fineness: Fineness,
         parting: &mut Parting,
         options: &Tessellation,
     ) -> Result<Self, PatchError> {
@@ -174,18 +177,18 @@ impl<'s> Patches<'s> {
         // Carriers are on the way between patches and no patches themselves.
         let kept = |f: usize| scene.is_diffuse(f);
         let faces = scene.faces().len();
-        let parts = parting.at(edge);
-        let cells = (0..faces).filter(|&f| kept(f)).map(|f| parts.cells(f, tracer.corners(f), edge));
+        let parts = parting.at(fineness.edge);
+        let cells = (0..faces).filter(|&f| kept(f)).map(|f| parts.cells(f, tracer.corners(f), fineness));
         let slots = 2 * cells.sum::<u64>();
         let most = (options.memory / BYTES_PER_SLOT).min(MOST_SLOTS);
         if slots > most {
             return Err(PatchError::TooMany { slots, most });
         }
-        let uncut = |f: usize| match kept(f) {
-            true => parts.of(f, edge).map_or(Uncut::Whole(tracer.corners(f)), Uncut::Parts),
-            false => Uncut::Nothing,
-        };
-        let cuts = Cuts::new((0..faces).map(uncut), edge);
+        let cuts = Cuts::new(faces, |f, mut each| {
+            if kept(f) {
+                parts.visit(f, tracer.corners(f), fineness, &mut each);
+            }
+        });
         let mut first_slot = vec![0];
         for face in 0..faces {
             first_slot.push(first_slot[face] + 2 * cuts.cells(face));
@@ -202,7 +205,7 @@ impl<'s> Patches<'s> {
             areas: Vec::new(),
             per_area: Vec::new(),
             etendues: Vec::new(),
-            edge,
+            fineness,
             is_translucent: (0..faces).any(|f| kept(f) && scene.material_of(f).transmittance().is_some()),
             covered: Vec::new(),
             means: Default::default(),
@@ -212,17 +215,17 @@ impl<'s> Patches<'s> {
         Ok(patches)
     }
 
-    /// Cuts with a known edge (normalised); the patches are the given slots, or those that light reaches.
+    /// Cuts as finely as is known; the patches are the given slots, or those that light reaches.
     pub(crate) fn recut(
         tracer: &Tracer<'s>,
-        edge: f64,
+        fineness: Fineness,
         slots: Option<&[u32]>,
         options: &Tessellation,
     ) -> Result<Self, PatchError> {
-        if !(edge.is_finite() && edge > 0.0) {
-            return Err(PatchError::Size(format!("{edge}")));
+        if !fineness.is_sound() {
+            return Err(PatchError::Size(format!("{fineness:?}")));
         }
-        let mut patches = Self::cut(tracer, edge, &mut Parting::new(tracer)?, options)?;
+        let mut patches = Self::cut(tracer, fineness, &mut Parting::new(tracer)?, options)?;
         match slots {
             // Of a file: what the cut does not have is no patch.
             Some(slots) => {
@@ -290,13 +293,14 @@ impl<'s> Patches<'s> {
         self.scene
     }
 
-    /// The longest leg a patch may have, metres.
+    /// The longest leg a patch may have, metres; but on surroundings, see [`PatchSize::Count`], where it may be
+    /// longer.
     pub fn edge(&self) -> f64 {
-        self.edge * self.frame.scale()
+        self.fineness.edge * self.frame.scale()
     }
 
-    pub(crate) fn normalised_edge(&self) -> f64 {
-        self.edge
+    pub(crate) fn fineness(&self) -> Fineness {
+        self.fineness
     }
 
     /// The patch in which a point of a face's side lies; none where light does not reach, and on mirrors and

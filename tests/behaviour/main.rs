@@ -41,6 +41,7 @@ mod slack; // rows that cannot be closed: they fail by themselves, and what they
 mod stopping; // iterations end by light, whatever lamps and rooms; truncated answers say so
 mod structure; // modules import only from their left, functions take few parameters
 mod study; // accuracy against time: errors that fall, noise that is called noise, studies that resume
+mod surroundings; // a wide ground takes few patches from the room on it
 mod textures; // pictures on surfaces: averages, light paths, renderings, files
 mod thin_glass; // sheets: a slab, a furnace, sun and sky through windows, pictures, settings
 mod verdict; // what an answer says of how far it can be relied on, and every fault that must raise it

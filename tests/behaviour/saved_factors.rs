@@ -167,7 +167,7 @@ fn a_file_that_does_not_fit_is_refused_with_the_reason() {
     }
     let mut newer = file.clone();
     newer[8] += 1;
-    assert_eq!(refused(&newer, &tracer), FactorsFileError::Version { found: 8 });
+    assert_eq!(refused(&newer, &tracer), FactorsFileError::Version { found: 9 });
     let larger = moved(&scene, |p| p * 1.25);
     assert_eq!(refused(&file, &Tracer::new(&larger)), FactorsFileError::OtherScene);
 }

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 
 use super::constants::{FEWEST_RAYS, TYPICAL_AREA};
 use crate::measure::MeasureError;
-use crate::patches::{PatchSize, Patches, Tessellation};
+use crate::patches::{Cutter, Patches, Tessellation};
 use crate::progress::Progress;
 use crate::solve::{CgOptions, Problem};
 use crate::trace::Tracer;
@@ -38,14 +38,14 @@ impl MeshError {
         trace: &TraceOptions,
     ) -> Result<Self, MeasureError> {
         let own = irradiance(tracer, patches, factors, (trace.seed, trace.caustics))?;
-        let edge = typical_edge(patches);
-        let on_cut = |scale: f64, rays: u32, apart: u64| -> Result<DMatrix<f64>, MeasureError> {
-            let size = PatchSize::Edge(edge * scale);
+        let mut cutter = Cutter::new(tracer)?;
+        let typical = typical_edge(patches) / patches.edge();
+        let mut on_cut = |scale: f64, rays: u32, apart: u64| -> Result<DMatrix<f64>, MeasureError> {
             let silent = Progress::default();
             // A seed of its own, so that noise does not cancel.
             let seed = trace.seed ^ apart;
-            let mut cut =
-                Patches::new(tracer, &Tessellation { size, seed, progress: silent, ..*tessellation })?;
+            let options = Tessellation { seed, progress: silent, ..*tessellation };
+            let mut cut = cutter.scale(patches, typical * scale, &options)?;
             let basis = factors.basis();
             // What was found without rays is held against what is found without them too.
             let rays = (factors.rays() > 0).then_some(rays);

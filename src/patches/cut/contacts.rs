@@ -170,7 +170,8 @@ fn crossing(at: &[DVec3; 3]) -> Option<[DVec2; 2]> {
     Some([ends.next()?, ends.next()?])
 }
 
-fn box_around(corners: &[DVec3; 3], pad: f64) -> Aabb {
+/// The box around a triangle, widened by `pad`, in f32.
+pub(super) fn box_around(corners: &[DVec3; 3], pad: f64) -> Aabb {
     let [a, b, c] = *corners;
     let round = |p: DVec3| Vec3A::from(p.as_vec3());
     Aabb { min: round(a.min(b).min(c) - pad), max: round(a.max(b).max(c) + pad) }

@@ -5,8 +5,9 @@
 
 use rayon::prelude::*;
 
+use super::fineness::Fineness;
 use super::parts::Parting;
-use super::size::edge_for;
+use super::size::fineness_for;
 use crate::patches::reach::Reach;
 use crate::patches::{PatchError, PatchSize, Patches, Slot, Tessellation, reach};
 use crate::trace::Tracer;
@@ -34,8 +35,8 @@ impl<'t, 's> Cutter<'t, 's> {
         options.progress.at("patch", 0.0)?;
         match options.size {
             PatchSize::Edge(metres) if metres.is_finite() && metres > 0.0 => {
-                let edge = metres / self.tracer.frame().scale();
-                let mut patches = Patches::cut(self.tracer, edge, &mut self.parting, options)?;
+                let fineness = Fineness::even(metres / self.tracer.frame().scale());
+                let mut patches = Patches::cut(self.tracer, fineness, &mut self.parting, options)?;
                 patches.reach(self.tracer, options, reach::LOOK)?;
                 Ok(patches)
             }
@@ -52,8 +53,8 @@ impl<'t, 's> Cutter<'t, 's> {
         /// more.
         const ATTEMPTS: usize = 2;
         let (tracer, parting) = (self.tracer, &mut self.parting);
-        let (mut edge, _) = edge_for(tracer, count.min(COARSE), parting, |_| [1.0; 2]);
-        let mut patches = Patches::cut(tracer, edge, parting, options)?;
+        let (mut fineness, _) = fineness_for(tracer, count.min(COARSE), parting, |_| [1.0; 2]);
+        let mut patches = Patches::cut(tracer, fineness, parting, options)?;
         patches.reach(tracer, options, reach::GLANCE)?;
         for _ in 0..ATTEMPTS {
             if patches.is_empty() && options.reach == Reach::Light {
@@ -62,13 +63,30 @@ impl<'t, 's> Cutter<'t, 's> {
             let share = |f: usize| if patches.is_empty() { [1.0; 2] } else { patches.reached_share(f) };
             let shares: Vec<_> = (0..tracer.scene().faces().len()).map(share).collect();
             let expected;
-            (edge, expected) = edge_for(tracer, count, parting, |face| shares[face]);
-            patches = Patches::cut(tracer, edge, parting, options)?;
+            (fineness, expected) = fineness_for(tracer, count, parting, |face| shares[face]);
+            patches = Patches::cut(tracer, fineness, parting, options)?;
             patches.reach(tracer, options, reach::LOOK)?;
             if (patches.len() as f64 / expected - 1.0).abs() < 0.1 {
                 break;
             }
         }
+        Ok(patches)
+    }
+
+    /// Cuts the scene of `known` into patches whose legs are so many times as long.
+    ///
+    /// # Errors
+    /// `TooMany` or `Cancelled`.
+    pub fn scale(
+        &mut self,
+        known: &Patches<'s>,
+        factor: f64,
+        options: &Tessellation,
+    ) -> Result<Patches<'s>, PatchError> {
+        options.progress.at("patch", 0.0)?;
+        let mut patches =
+            Patches::cut(self.tracer, known.fineness().scaled(factor), &mut self.parting, options)?;
+        patches.reach(self.tracer, options, reach::LOOK)?;
         Ok(patches)
     }
 
@@ -84,8 +102,8 @@ impl<'t, 's> Cutter<'t, 's> {
         options: &Tessellation,
     ) -> Result<Patches<'s>, PatchError> {
         options.progress.at("patch", 0.0)?;
-        let (edge, _) = self.edge_like(known, count);
-        let mut patches = Patches::cut(self.tracer, edge, &mut self.parting, options)?;
+        let (fineness, _) = self.fineness_like(known, count);
+        let mut patches = Patches::cut(self.tracer, fineness, &mut self.parting, options)?;
         let is_likely = |&slot: &u32| {
             let Slot { face, side, cell } = patches.slot(slot);
             let [a, b, c] = patches.cuts.corners(face, cell);
@@ -99,15 +117,15 @@ impl<'t, 's> Cutter<'t, 's> {
     /// About how many patches [`Cutter::resize`] would make: faces are cut in whole steps, and all of a mesh
     /// at once where they are alike.
     pub fn expected(&mut self, known: &Patches<'s>, count: usize) -> usize {
-        self.edge_like(known, count).1.round() as usize
+        self.fineness_like(known, count).1.round() as usize
     }
 
-    /// The edge (normalised) at which there are about `count` patches if light reaches what it reaches in
-    /// `known`, and how many there are.
-    fn edge_like(&mut self, known: &Patches<'s>, count: usize) -> (f64, f64) {
+    /// How fine a cut has about `count` patches if light reaches what it reaches in `known`, and how many it
+    /// has.
+    fn fineness_like(&mut self, known: &Patches<'s>, count: usize) -> (Fineness, f64) {
         let faces = 0..self.tracer.scene().faces().len();
         let shares: Vec<_> = faces.map(|face| known.reached_share(face)).collect();
-        edge_for(self.tracer, count, &mut self.parting, |face| shares[face])
+        fineness_for(self.tracer, count, &mut self.parting, |face| shares[face])
     }
 }
 

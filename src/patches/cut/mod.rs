@@ -2,15 +2,19 @@
 
 mod contacts;
 mod cutter;
+mod fineness;
 mod grid;
 mod locator;
 mod outlook;
+mod part;
 mod parts;
 mod size;
 mod subdivide;
+mod surroundings;
 
 pub use cutter::Cutter;
+pub(crate) use fineness::Fineness;
 pub use outlook::{Outlook, Stretch};
 pub(crate) use parts::{Parting, Parts};
 pub use subdivide::Barycentrics;
-pub(crate) use subdivide::{Cuts, Uncut};
+pub(crate) use subdivide::Cuts;

@@ -8,9 +8,10 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
+use super::fineness::Fineness;
 use super::grid::cells_for;
-use super::parts::{Part, Parting};
-use super::size::edge_for;
+use super::parts::Parting;
+use super::size::fineness_for;
 use crate::patches::{PatchError, PatchSize};
 use crate::scene::{Feature, Side};
 use crate::trace::Tracer;
@@ -50,20 +51,17 @@ impl Outlook {
     pub fn new(tracer: &Tracer, size: PatchSize) -> Result<Self, PatchError> {
         let (sides, through) = likely_sides(tracer);
         let mut parting = Parting::new(tracer)?;
-        let edge = match size {
-            PatchSize::Edge(metres) => metres / tracer.frame().scale(),
-            PatchSize::Count(count) => edge_for(tracer, count.max(1), &mut parting, |face| sides[face]).0,
+        let fineness = match size {
+            PatchSize::Edge(metres) => Fineness::even(metres / tracer.frame().scale()),
+            PatchSize::Count(count) => fineness_for(tracer, count.max(1), &mut parting, |face| sides[face]).0,
         };
-        let parts = parting.at(edge);
+        let parts = parting.at(fineness.edge);
         let mut stretches = Vec::new();
         for face in (0..sides.len()).filter(|&face| tracer.scene().is_diffuse(face)) {
-            let whole = [Part::whole(tracer.corners(face))];
-            let parts = parts.of(face, edge).unwrap_or(&whole);
-            stretches.extend(parts.iter().map(|part| Stretch {
-                face,
-                corners: part.corners,
-                cells: cells_for(&part.corners, edge) as f64,
-            }));
+            parts.visit(face, tracer.corners(face), fineness, &mut |part, legs| {
+                let cells = cells_for(&part.corners, legs) as f64;
+                stretches.push(Stretch { face, corners: part.corners, cells });
+            });
         }
         let mut cells = vec![0.0; sides.len()];
         stretches.iter().for_each(|stretch| cells[stretch.face] += stretch.cells);

@@ -18,7 +18,10 @@ use rayon::prelude::*;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use super::contacts::{Contacts, Flat, Line};
+use super::fineness::Fineness;
 use super::grid::cells_for;
+use super::part::{Part, longest_side};
+use super::surroundings::Surroundings;
 use crate::patches::PatchError;
 use crate::scene::Side;
 use crate::trace::Tracer;
@@ -52,22 +55,6 @@ const MOST_CROSSINGS_ON_FACE: [usize; 2] = [64, 4096];
 /// Triangles of less than this share of their face are rounding, no parts.
 const DUST: f64 = 1e-13;
 
-/// A triangle of a face.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Part {
-    /// As points of the face.
-    pub on_face: [DVec2; 3],
-    /// Normalised frame.
-    pub corners: [DVec3; 3],
-}
-
-impl Part {
-    /// A whole face.
-    pub fn whole(corners: &[DVec3; 3]) -> Self {
-        Self { on_face: [DVec2::ZERO, DVec2::X, DVec2::Y], corners: *corners }
-    }
-}
-
 /// A face in parts.
 #[derive(Clone, Debug)]
 struct Parted {
@@ -79,30 +66,51 @@ struct Parted {
     parts: Vec<Part>,
 }
 
-/// The faces that contacts part, for patches of some size; in order of faces.
+/// How the faces of a scene fall into parts, for patches of some size.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Parts(Vec<Parted>);
+pub(crate) struct Parts {
+    /// The faces that contacts part, in order of faces.
+    parted: Vec<Parted>,
+    /// The faces whose parts are divided once more.
+    surroundings: Option<Arc<Surroundings>>,
+}
 
 impl Parts {
-    /// Whether there are none.
+    /// Whether contacts part no face.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.parted.is_empty()
     }
 
-    /// The parts of a face for patches of legs up to `edge`; none if it stays whole, as every face does that
-    /// is no larger than a patch and that no other covers or passes through.
-    pub fn of(&self, face: usize, edge: f64) -> Option<&[Part]> {
-        let place = self.0.binary_search_by_key(&face, |parted| parted.face).ok()?;
-        let Parted { longest, is_always, parts, .. } = &self.0[place];
-        (*is_always || *longest > edge).then_some(parts.as_slice())
-    }
-
-    /// Into how many cells a face with these corners is cut for patches of legs up to `edge`.
-    pub fn cells(&self, face: usize, corners: &[DVec3; 3], edge: f64) -> u64 {
-        match self.of(face, edge) {
-            Some(parts) => parts.iter().map(|part| cells_for(&part.corners, edge)).sum(),
-            None => cells_for(corners, edge),
+    /// Every part of a face with these corners, and how long legs its patches may have. A face stays whole
+    /// that is no larger than a patch and that no other covers or passes through.
+    pub fn visit(
+        &self,
+        face: usize,
+        corners: &[DVec3; 3],
+        fineness: Fineness,
+        each: &mut impl FnMut(&Part, f64),
+    ) {
+        let whole = [Part::whole(corners)];
+        let place = self.parted.binary_search_by_key(&face, |parted| parted.face);
+        let parted = place.ok().map(|place| &self.parted[place]);
+        let parts = match parted.filter(|parted| parted.is_always || fineness.parts(parted.longest)) {
+            Some(parted) => parted.parts.as_slice(),
+            None => &whole,
+        };
+        let wide = self.surroundings.as_ref().filter(|all| fineness.grows() && all.has(face));
+        for part in parts {
+            match wide {
+                Some(surroundings) => surroundings.divide(*part, fineness, each),
+                None => each(part, fineness.edge),
+            }
         }
+    }
+
+    /// Into how many cells a face with these corners is cut.
+    pub fn cells(&self, face: usize, corners: &[DVec3; 3], fineness: Fineness) -> u64 {
+        let mut cells = 0;
+        self.visit(face, corners, fineness, &mut |part, legs| cells += cells_for(&part.corners, legs));
+        cells
     }
 }
 
@@ -114,6 +122,7 @@ pub(crate) struct Parting<'t> {
     tracer: &'t Tracer<'t>,
     contacts: Contacts<'t>,
     exact: ExactLines,
+    surroundings: Option<Arc<Surroundings>>,
     known: HashMap<i32, Arc<Parts>>,
 }
 
@@ -128,22 +137,32 @@ impl<'t> Parting<'t> {
         }
         let contacts = Contacts::new(tracer);
         let exact = exact_lines(tracer, &contacts);
-        Ok(Self { tracer, contacts, exact, known: HashMap::new() })
+        let surroundings = Surroundings::find(tracer).map(Arc::new);
+        Ok(Self { tracer, contacts, exact, surroundings, known: HashMap::new() })
+    }
+
+    /// The wide faces around everything else, if there are any.
+    pub fn surroundings(&self) -> Option<&Arc<Surroundings>> {
+        self.surroundings.as_ref()
     }
 
     /// The parts for patches of legs up to `edge` (normalised).
     pub fn at(&mut self, edge: f64) -> Arc<Parts> {
         let power = edge.log2().floor() as i32;
         let (tracer, contacts, exact) = (self.tracer, &self.contacts, &self.exact);
-        let find = || Arc::new(Parts::find(tracer, contacts, exact, f64::from(power).exp2()));
+        let surroundings = self.surroundings.clone();
+        let find = || {
+            let parted = Parted::find(tracer, contacts, exact, f64::from(power).exp2());
+            Arc::new(Parts { parted, surroundings })
+        };
         self.known.entry(power).or_insert_with(find).clone()
     }
 }
 
-impl Parts {
+impl Parted {
     /// Parts every diffuse face that is longer than `edge`, is covered by another, or that another passes
     /// through.
-    fn find(tracer: &Tracer, contacts: &Contacts, exact: &ExactLines, edge: f64) -> Self {
+    fn find(tracer: &Tracer, contacts: &Contacts, exact: &ExactLines, edge: f64) -> Vec<Self> {
         let faces = tracer.scene().faces().len();
         let lines = contact_lines(tracer, contacts, edge);
         let [least, most] = MOST_CROSSINGS_ON_FACE;
@@ -178,7 +197,7 @@ impl Parts {
             });
             Some(Parted { face, longest, is_always, parts: parts.collect() })
         };
-        Self((0..faces).into_par_iter().filter_map(part).collect())
+        (0..faces).into_par_iter().filter_map(part).collect()
     }
 }
 
@@ -205,10 +224,6 @@ fn contact_lines(tracer: &Tracer, contacts: &Contacts, edge: f64) -> Vec<[Vec<Li
     let most = most_for_each(&counts, LINES);
     lines.as_flattened_mut().iter_mut().for_each(|lines| lines.truncate(most));
     lines
-}
-
-fn longest_side(corners: &[DVec3; 3]) -> f64 {
-    (0..3).map(|k| corners[k].distance(corners[(k + 1) % 3])).fold(0.0, f64::max)
 }
 
 /// Lines that are drawn, long ones before short ones.
@@ -402,7 +417,7 @@ fn triangulate(corners: &[DVec2; 3], lines: &[[DVec2; 2]]) -> Option<Vec<[DVec2;
 
 #[cfg(test)]
 mod tests {
-    use super::super::subdivide::{Cuts, Uncut};
+    use super::super::subdivide::Cuts;
     use super::*;
     use crate::trace::sampling::{Stream, uniform_triangle};
 
@@ -460,7 +475,7 @@ mod tests {
             let parts: Vec<Part> =
                 triangles.iter().map(|&t| Part { on_face: t, corners: t.map(space) }).collect();
             for edge in [0.3, 0.03] {
-                let cuts = Cuts::new([Uncut::Parts(&parts)].into_iter(), edge);
+                let cuts = Cuts::new(1, |_, each| parts.iter().for_each(|part| each(part, edge)));
                 let cells: u64 = parts.iter().map(|part| cells_for(&part.corners, edge)).sum();
                 assert_eq!(u64::from(cuts.cells(0)), cells);
                 let corners = |cell: u32| cuts.corners(0, cell).map(DVec2::from);

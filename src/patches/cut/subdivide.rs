@@ -6,11 +6,11 @@
 //! like a face. The arithmetic here is all there is: [`Cuts::cell_at`] finds the cell of a point in constant
 //! time, [`Cuts::corners`] the corners of a cell.
 
-use glam::{DMat2, DVec2, DVec3};
+use glam::{DMat2, DVec2};
 
 use super::grid::{Grid, divide};
 use super::locator::Locator;
-use super::parts::Part;
+use super::part::Part;
 
 /// Barycentric weights of a face's second and third corner.
 pub type Barycentrics = [f64; 2];
@@ -53,28 +53,17 @@ impl Piece {
     }
 }
 
-/// What of a face is cut, part by part.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Uncut<'a> {
-    /// No cell is wanted.
-    Nothing,
-    /// A face with these corners.
-    Whole(&'a [DVec3; 3]),
-    /// A face in parts.
-    Parts(&'a [Part]),
-}
-
 impl Cuts {
-    /// Cuts every face so that no leg of a patch is longer than `edge`.
-    pub fn new<'a>(faces: impl Iterator<Item = Uncut<'a>>, edge: f64) -> Self {
+    /// Cuts faces whose parts `visit` tells, each with how long legs of its patches may be.
+    pub fn new(faces: usize, visit: impl Fn(usize, &mut dyn FnMut(&Part, f64))) -> Self {
         let mut cuts =
             Self { grids: Vec::new(), pieces: Vec::new(), first_piece: vec![0], locators: Vec::new() };
         let mut known = std::collections::HashMap::new();
-        for (face, uncut) in faces.enumerate() {
+        for face in 0..faces {
             let mut first_cell = 0;
-            let mut cut = |part: &Part| {
+            visit(face, &mut |part, legs| {
                 let [p, q, r] = part.on_face;
-                for (corners, rows, columns) in divide(&part.corners, edge) {
+                for (corners, rows, columns) in divide(&part.corners, legs) {
                     let grid = *known.entry((rows, columns)).or_insert_with(|| {
                         cuts.grids.push(Grid::new(rows, columns));
                         cuts.grids.len() - 1
@@ -85,12 +74,7 @@ impl Cuts {
                     cuts.pieces.push(Piece { corners, inverse, grid: grid as u32, first_cell });
                     first_cell += cuts.grids[grid].cells();
                 }
-            };
-            match uncut {
-                Uncut::Nothing => {}
-                Uncut::Whole(corners) => cut(&Part::whole(corners)),
-                Uncut::Parts(parts) => parts.iter().for_each(cut),
-            }
+            });
             cuts.first_piece.push(cuts.pieces.len() as u32);
             let pieces = cuts.pieces(face);
             if pieces.len() > 2 {
@@ -192,6 +176,8 @@ impl Cuts {
 #[cfg(test)]
 mod tests {
     use super::super::grid::cells_for;
+    use glam::DVec3;
+
     use super::*;
     use crate::scene::triangle;
     use crate::trace::sampling::{Stream, uniform_triangle};
@@ -208,11 +194,15 @@ mod tests {
         .to_vec()
     }
 
+    fn whole(corners: &[DVec3; 3], edge: f64) -> Cuts {
+        Cuts::new(1, |_, each| each(&Part::whole(corners), edge))
+    }
+
     #[test]
     fn cells_tile_the_face_without_gap_or_overlap() {
         for corners in shapes() {
             for edge in [10.0, 1.0, 0.31, 0.1] {
-                let cuts = Cuts::new([Uncut::Whole(&corners)].into_iter(), edge);
+                let cuts = whole(&corners, edge);
                 assert_eq!(cuts.cells(0) as u64, cells_for(&corners, edge));
                 let cell_area =
                     |cell| triangle::area(&cuts.corners(0, cell).map(|at| triangle::point(&corners, at)));
@@ -238,7 +228,7 @@ mod tests {
     fn cells_keep_the_orientation_of_their_face() {
         for corners in shapes() {
             let across = triangle::across(&corners);
-            let cuts = Cuts::new([Uncut::Whole(&corners)].into_iter(), 0.2);
+            let cuts = whole(&corners, 0.2);
             for cell in 0..cuts.cells(0) {
                 let cell = cuts.corners(0, cell).map(|at| triangle::point(&corners, at));
                 assert!(triangle::across(&cell).dot(across) > 0.0);

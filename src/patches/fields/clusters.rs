@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 use nalgebra::DMatrix;
 
-use crate::patches::cut::{Cuts, Uncut};
+use crate::patches::cut::Cuts;
 use crate::patches::{Patches, Slot};
 use crate::scene::Side;
 use crate::scene::triangle;
@@ -43,15 +43,14 @@ impl Patches<'_> {
     /// If `light` has not one value per patch.
     pub fn clusters(&self, patches: f64, light: Option<&[f64]>) -> Clusters {
         assert!(light.is_none_or(|light| light.len() == self.len()), "one value per patch");
-        let faces = 0..self.scene.faces().len();
-        let corners: Vec<_> =
-            faces.clone().map(|f| self.scene.corners(f).map(|p| self.frame.from_world(p))).collect();
         // Along the same contacts: no cluster has patches on both sides of one.
-        let uncut = |f: usize| match self.scene.is_diffuse(f) {
-            true => self.parts.of(f, self.edge).map_or(Uncut::Whole(&corners[f]), Uncut::Parts),
-            false => Uncut::Nothing,
-        };
-        let coarse = Cuts::new(faces.map(uncut), self.edge * patches.sqrt());
+        let fineness = self.fineness.coarser(patches.sqrt());
+        let coarse = Cuts::new(self.scene.faces().len(), |f, mut each| {
+            if self.scene.is_diffuse(f) {
+                let corners = self.scene.corners(f).map(|p| self.frame.from_world(p));
+                self.parts.visit(f, &corners, fineness, &mut each);
+            }
+        });
         let mut cells: HashMap<(usize, bool, u32), (Slot, Vec<u32>)> = HashMap::new();
         let sheets = self.sheets();
         let mut is_mirrored = vec![false; self.len()];

@@ -99,6 +99,8 @@ streams! {
     ReachingRays = 35,
     /// Points on a patch and on apertures through which sun may come: 0; the light.
     SunThrough = 34,
+    /// Rays by which faces are found to have nothing over or under them: the face; the side.
+    Surroundings = 36,
     /// Lines by which apertures are judged: the candidate; the side.
     Apertures = 32,
     /// What callers of this library draw for purposes of their own, tests among them: anything; anything.

@@ -14,7 +14,7 @@ use super::options::Keep;
 use super::saved_exchange::{read_exchange, write_exchange};
 use super::sections::{Content, FactorsFileError, Section, VERSION, ends_with_section, read_section};
 use super::{FormFactors, sound};
-use crate::patches::{Basis, Patches, Tessellation};
+use crate::patches::{Basis, Fineness, Patches, Tessellation};
 use crate::scene::{FaceState, Scene, Side, Surface};
 use crate::trace::{Lamps, Tracer};
 use crate::transport::TransportError;
@@ -48,7 +48,8 @@ impl FormFactors {
         to.write_all(&VERSION.to_le_bytes())?;
         let mut section = Section::default();
         section.some(&[geometry_hash(patches.scene()), light_hash(patches.scene())]);
-        section.one(patches.normalised_edge());
+        let Fineness { edge, around: [near, growth], .. } = patches.fineness();
+        section.some(&[edge, near, growth]);
         section.one(rows.recipe.seed);
         section.some(&[rows.recipe.count.rays, rows.recipe.count.lamp_rays]);
         section.one(rows.recipe.basis.coefficients() as u32);
@@ -82,7 +83,7 @@ impl FormFactors {
         // Where the same faces may send out light and the same are lamps, all is as it was.
         let same_light = saved.light == light_hash(scene);
         let known = same_light.then_some(saved.slots.as_slice());
-        let mut patches = Patches::recut(tracer, saved.edge, known, options)?;
+        let mut patches = Patches::recut(tracer, saved.fineness, known, options)?;
         saved.check(&patches, known)?;
         if patches.is_empty() {
             return Err(TransportError::Dark);
@@ -135,7 +136,7 @@ fn rows_section(rows: &Rows) -> Section {
 /// What the first section of a file says, checked for consistency.
 struct Saved {
     light: u64,
-    edge: f64,
+    fineness: Fineness,
     recipe: Recipe,
     lamp_faces: Vec<u32>,
     /// Number of rows in the second section.
@@ -166,7 +167,7 @@ impl Saved {
             return Err(OtherScene);
         }
         let light = from.one()?;
-        let edge = from.one()?;
+        let fineness = Fineness::new(from.one()?, [from.one()?, from.one()?]);
         let seed = from.one()?;
         let count = RayCount { rays: from.one()?, lamp_rays: from.one()? };
         let basis = match from.one::<u32>()? {
@@ -184,7 +185,7 @@ impl Saved {
         let read = |_| read_exchange(&mut from, basis, slots.len());
         let exchanges = (0..tones.len()).map(read).collect::<Result<_, _>>()?;
         let recipe = Recipe { count, seed, basis };
-        Ok(Self { light, edge, recipe, lamp_faces, held, slots, tones, exchanges })
+        Ok(Self { light, fineness, recipe, lamp_faces, held, slots, tones, exchanges })
     }
 
     /// Holds what is known of patches against the cut; `known` are those that were taken from here.

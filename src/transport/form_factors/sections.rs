@@ -6,7 +6,7 @@ use bytemuck::Pod;
 use xxhash_rust::xxh3::xxh3_64;
 
 /// Files of another version are refused.
-pub const VERSION: u32 = 7;
+pub const VERSION: u32 = 8;
 
 /// Why a file of form factors can't be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
