@@ -101,6 +101,25 @@ fn under_a_sky_a_receiver_may_see_no_surface() {
 }
 
 #[test]
+fn receivers_behind_planes_beside_the_scene_and_partly_in_solids_are_named() {
+    let says = |receivers: Vec<Receiver>, sky: Option<Sky>, wanted: &str| {
+        let odd = odd(&scene(LAMP, Vec::new(), receivers, sky));
+        assert!(odd.len() == 1 && odd[0].contains(wanted), "{wanted}: {odd:?}");
+    };
+    let even = || Some(Sky { kind: SkyKind::Constant, up: DVec3::Y, zenith: vec![1.0], ground: 0.0 });
+    // A millimetre under the floor, under a sky.
+    says(vec![desk([0.6, -0.001, 0.6], UP)], even(), "lies right behind object quad 1");
+    // Far beside the room.
+    says(vec![desk([5.0, 0.5, 5.0], UP)], even(), "lies outside of the box around the scene");
+    // A row of three points in the box, the other two over it.
+    let upright = [[0.0, 0.0, 0.1], [0.0, 0.3, 0.0]];
+    says(vec![desk([0.2, 0.15, 0.15], upright)], None, "(about 3 of its 9 points) lies within object quad 7");
+    // Right over the roof is no fault.
+    let over = vec![desk([0.5, 1.01, 0.5], UP)];
+    assert_eq!(odd(&scene(LAMP, Vec::new(), over, even())), [""; 0]);
+}
+
+#[test]
 fn a_scene_as_long_as_a_street_is_asked_for_its_unit() {
     let text = "v 0 0 0\nv 4000 0 0\nv 0 3000 0\nf 1 2 3\n";
     let said = |files: &[(&str, &str)]| {

@@ -1,23 +1,28 @@
 //! Placement: lamps, lights and receivers that are where they cannot be meant to be: outside of the scene,
 //! within a solid, or turned away from everything.
 
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::fmt::Write;
 
 use glam::DVec3;
 
-use super::constants::{DRAWN_PER_LOOK, LOOKS, RECEIVER_POINTS, ROOM};
+use super::constants::{BESIDE, DRAWN_PER_LOOK, FAR_OVER, LOOKS, RECEIVER_POINTS, RIGHT_BEHIND, ROOM};
 use super::edges::Edges;
 use super::{Grade, lamps};
 use crate::scene::{Light, Scene, Side};
 use crate::trace::sampling::{Sequence, Stream};
-use crate::trace::{MOST_CROSSINGS, Ray, Tracer, sampling};
+use crate::trace::{Hit, MOST_CROSSINGS, Ray, Tracer, sampling};
 
 /// What a place sees.
 enum Surroundings {
     /// Nothing at all.
     Nothing,
+    /// Nothing but sky, from outside of the box around the scene.
+    Beside,
     /// Backs of an object alone, all around.
     Within(String),
+    /// Backs of an object alone, in a plane right before it.
+    Behind(String),
     /// Backs alone, from beyond what they enclose.
     Outside,
     /// More than that.
@@ -60,11 +65,21 @@ pub fn odd_placement(tracer: &Tracer, seed: u64) -> Vec<String> {
         };
         let views: Vec<Surroundings> =
             points.iter().map(|&point| look(tracer, point, (0..LOOKS).map(ahead))).collect();
-        let is_lost = |view: &Surroundings| !matches!(view, Surroundings::Scene);
-        if views.iter().all(is_lost)
-            && let Some(view) = views.into_iter().next()
-        {
-            odd.extend(said(&format!("receiver {}", receiver.name), view));
+        let (looked, who) = (views.len(), format!("receiver {}", receiver.name));
+        let mut lost = views.into_iter().filter(|view| !matches!(view, Surroundings::Scene));
+        let Some(first) = lost.next() else { continue };
+        match 1 + lost.count() {
+            all if all == looked => odd.extend(said(&who, first)),
+            // Beside the scene or with nothing around it a point is not wrong by itself.
+            some => {
+                let who = format!(
+                    "{who} (about {} of its {} points)",
+                    some * receiver.len() / looked,
+                    receiver.len()
+                );
+                let is_wrong = matches!(first, Surroundings::Within(_) | Surroundings::Behind(_));
+                odd.extend(is_wrong.then(|| said(&who, first)).flatten());
+            }
         }
     }
     odd
@@ -77,8 +92,15 @@ fn said(who: &str, view: Surroundings) -> Option<String> {
             line,
             "meets nothing: it lies outside of the scene or is turned away from it; are its numbers in the unit of the OBJ file?"
         ),
+        Surroundings::Beside => write!(
+            line,
+            "lies outside of the box around the scene and meets nothing of it; are its numbers in the unit of the OBJ file?"
+        ),
         Surroundings::Within(object) => {
             write!(line, "lies within object {object}: it sees the backs of its faces alone, all around")
+        }
+        Surroundings::Behind(object) => {
+            write!(line, "lies right behind object {object} and sees its backs alone; move it to its front")
         }
         Surroundings::Outside => write!(
             line,
@@ -97,10 +119,10 @@ fn look(tracer: &Tracer, place: DVec3, directions: impl Iterator<Item = DVec3>) 
         directions.map(|direction| tracer.closest_hit(&Ray { origin, direction, from: Ray::FREE })).collect();
     // Under an open sky there is light to be had where no surface is.
     if hits.iter().all(Option::is_none) {
-        return if scene.sky().is_some() || hits.is_empty() {
-            Surroundings::Scene
-        } else {
-            Surroundings::Nothing
+        return match scene.sky() {
+            None if !hits.is_empty() => Surroundings::Nothing,
+            Some(sky) if is_beside(tracer, origin, sky.up) => Surroundings::Beside,
+            _ => Surroundings::Scene,
         };
     }
     let objects = hits.iter().map(|hit| {
@@ -120,8 +142,30 @@ fn look(tracer: &Tracer, place: DVec3, directions: impl Iterator<Item = DVec3>) 
             Surroundings::Within(scene.objects()[object as usize].clone())
         }
         _ if scene.sky().is_none() && !is_enclosed(tracer, origin, None) => Surroundings::Outside,
+        [Some(object)] if is_right_behind(tracer, origin, hits.iter().flatten()) => {
+            Surroundings::Behind(scene.objects()[object as usize].clone())
+        }
         _ => Surroundings::Scene,
     }
+}
+
+/// Whether a place (normalised frame) under a sky with this zenith lies so far outside of the box around all
+/// faces that it is no part of the scene: far over it, or else a little beside it.
+fn is_beside(tracer: &Tracer, place: DVec3, up: DVec3) -> bool {
+    let faces = 0..tracer.scene().faces().len();
+    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (low, high) =
+        faces.flat_map(|face| tracer.corners(face)).fold(none, |(low, high), &p| (low.min(p), high.max(p)));
+    let away = place - place.clamp(low, high);
+    let is_over = away.dot(up) > FRAC_1_SQRT_2 * away.length();
+    away.length() > if is_over { FAR_OVER } else { BESIDE } * (high - low).max_element()
+}
+
+/// Whether the planes of all that is met are hardly any distance before a place (normalised frame).
+fn is_right_behind<'h>(tracer: &Tracer, place: DVec3, hits: impl Iterator<Item = &'h Hit>) -> bool {
+    let near = RIGHT_BEHIND * extent(tracer.scene(), None) / tracer.frame().scale();
+    let mut planes = hits.map(|hit| (tracer.point(hit), tracer.normal(hit.face as usize, hit.side)));
+    planes.all(|(point, normal)| normal.dot(place - point).abs() <= near)
 }
 
 /// Whether most lines from a place (normalised frame) pass through an odd number of faces, of an object or of
