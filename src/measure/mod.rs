@@ -18,7 +18,9 @@ use crate::progress::Cancelled;
 use crate::reference::PathError;
 use crate::solve::SolveError;
 use crate::transport::TransportError;
-pub use accuracy::{AccuracyStep, Accurate, Ending, Goal, Resource, Setting, Tolerated, reach};
+pub use accuracy::{
+    AccuracyStep, Accurate, Ending, Goal, Resource, Setting, Tolerated, missed, reach, receive,
+};
 pub use comparison::{
     Agreement, AgreementTest, Comparison, Difference, MeshError, OrderOptions, OrderRow, RelativeRms, Worst,
 };

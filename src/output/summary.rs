@@ -58,9 +58,11 @@ pub struct Summary {
     pub photometry: Vec<Photometry>,
     /// How far radiance falls below zero within patches; not at all for constant elements.
     pub undershoot: Undershoot,
-    /// How wrong irradiance by face is, and why.
-    pub error: ErrorBudget,
-    /// The same for every object and material by itself.
+    /// How wrong irradiance is, and why, on the object or at the receiver where it is the most wrong.
+    pub error: GroupError,
+    /// How wrong irradiance by face is over all faces, and why.
+    pub error_of_all: ErrorBudget,
+    /// The same for every object, material and receiver by itself.
     pub errors: Vec<GroupError>,
     /// What each step towards an accuracy bought, where one was asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]

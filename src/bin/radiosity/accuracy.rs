@@ -3,12 +3,13 @@
 use std::time::Duration;
 
 use radiosity::measure::{
-    self, AccuracyStep, Accurate, Ending, ErrorBudget, ErrorPart, Goal, Resource, Tolerated,
+    self, AccuracyStep, Accurate, Ending, ErrorBars, ErrorPart, Goal, GroupError, Resource, Tolerated,
 };
 use radiosity::output::SeriesSummary;
 use radiosity::patches::Patches;
+use radiosity::scene::Scene;
 use radiosity::trace::Tracer;
-use radiosity::transport::{FormFactors, Keep};
+use radiosity::transport::{FormFactors, Keep, Received};
 
 use crate::args::RunArgs;
 use crate::factors::FactorsArgs;
@@ -20,8 +21,9 @@ use crate::verdict::phrase;
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Accuracy")]
 pub struct GoalArgs {
-    /// Choose patches and rays such that irradiance by face errs no more than this, in 95 cases of 100: 1%,
-    /// or 0.2W/m2, or 5lx (relative, or absolute, root mean square over faces)
+    /// Choose patches and rays such that irradiance by face errs no more than this on any object, in 95
+    /// cases of 100: 1%, or 0.2W/m2, or 5lx (relative, or absolute, root mean square over the object's
+    /// faces; objects with less than a hundredth of all patches are left out), and at receivers
     #[arg(
         long,
         value_name = "ERROR",
@@ -50,6 +52,15 @@ enum Wanted {
 }
 
 impl GoalArgs {
+    /// The error that was asked for.
+    pub fn tolerated(&self, scene: &Scene) -> Option<Tolerated> {
+        self.accuracy.map(|wanted| match wanted {
+            Wanted::Share(share) => Tolerated::Relative(share),
+            Wanted::Irradiance(h) => Tolerated::Irradiance(h),
+            Wanted::Illuminance(lux) => Tolerated::Irradiance(lux / scene.efficacy()),
+        })
+    }
+
     /// Cuts and traces as the goal asks for, if there is one; else as the other arguments do.
     pub fn obtain<'s>(
         &self,
@@ -63,12 +74,7 @@ impl GoalArgs {
             return Ok((patches, factors, Vec::new()));
         }
         factors.refuse_to_leave_out(tracer.scene(), "--accuracy and --time follow all light")?;
-        let efficacy = tracer.scene().efficacy();
-        let error = self.accuracy.map(|wanted| match wanted {
-            Wanted::Share(share) => Tolerated::Relative(share),
-            Wanted::Irradiance(h) => Tolerated::Irradiance(h),
-            Wanted::Illuminance(lux) => Tolerated::Irradiance(lux / efficacy),
-        });
+        let error = self.tolerated(tracer.scene());
         let goal = Goal { error, seconds: self.time.map(|time| time.as_secs_f64()) };
         let (tessellation, trace) = factors.options(run, terminal.progress());
         let Accurate { patches, factors, steps, ending, verdict } =
@@ -85,6 +91,22 @@ impl GoalArgs {
         }
         Ok((patches, factors, steps))
     }
+}
+
+/// The receivers that are not known as well as was asked for, in words.
+pub fn missed_receivers(
+    received: &[Received],
+    bars: &ErrorBars,
+    tolerated: Tolerated,
+) -> impl Iterator<Item = String> {
+    let all = received.iter().zip(&bars.receivers);
+    all.filter_map(move |(received, bars)| {
+        let error = percent(measure::missed(bars, tolerated)?);
+        Some(format!(
+            "receiver {} is known to ± {error} % only, on the whole or at a point: less well than was asked for",
+            received.receiver.name
+        ))
+    })
 }
 
 /// A table of steps.
@@ -125,7 +147,8 @@ fn shortfall(of: Resource, needed: measure::Setting, seconds: f64) -> String {
 
 /// How wrong the answer is, and what would help: the line that matters. `seconds` is what the answer took,
 /// and `series` what is known of a truncated one.
-pub fn error_line(budget: &ErrorBudget, seconds: f64, series: &SeriesSummary) -> String {
+pub fn error_line(error: &GroupError, seconds: f64, series: &SeriesSummary) -> String {
+    let budget = &error.budget;
     let noise = budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS));
     let mesh = budget.part(ErrorPart::MESH);
     let truncation = budget.part(ErrorPart::TRUNCATION);
@@ -143,10 +166,15 @@ pub fn error_line(budget: &ErrorBudget, seconds: f64, series: &SeriesSummary) ->
     } else {
         format!("mostly noise; 4 × the rays would about halve it, in {}", duration(4.0 * seconds))
     };
+    let place = match error.kind {
+        GroupError::ALL => "by face".to_owned(),
+        GroupError::RECEIVER => format!("at receiver {}", error.name),
+        kind => format!("by face on {kind} {}", error.name),
+    };
     if budget.upper95.is_finite() {
-        format!("± {} % by face (95 %), {remedy}", percent(budget.upper95))
+        format!("± {} % {place} (95 %), {remedy}", percent(budget.upper95))
     } else {
-        format!("by face unknown, {remedy}")
+        format!("{place} unknown, {remedy}")
     }
 }
 

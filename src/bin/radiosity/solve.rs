@@ -13,7 +13,7 @@ use radiosity::solve::{Amplification, NeumannOptions, Problem, Series, Solution,
 use radiosity::trace::Tracer;
 use radiosity::transport::{LightOptions, Plan, Received, Sources};
 
-use crate::accuracy::GoalArgs;
+use crate::accuracy::{self, GoalArgs};
 use crate::args::{RunArgs, SceneArgs, SolverArgs};
 use crate::factors::{Asked, Chosen, FactorsArgs};
 use crate::picture::{self, PictureArgs};
@@ -75,6 +75,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
 
     let received = job.receive(solution, &light)?;
     let bars = ErrorBars::with_receivers(&patches, problem, solution, &received, progress)?;
+    if let Some(tolerated) = args.goal.tolerated(&scene) {
+        accuracy::missed_receivers(&received, &bars, tolerated).for_each(|text| terminal.warn(text));
+    }
     let energy = Energy::of(problem, &solution.radiance);
     let verdict = Verdict::of(&Answer {
         tracer,
@@ -125,7 +128,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         closure: *factors.exchange().closure(),
         photometry,
         undershoot: Undershoot::of(problem.operator().mass(), &solution.radiance),
-        error: bars.budget,
+        error: bars.headline(|budget| budget.upper95),
+        error_of_all: bars.budget,
         errors: bars.groups,
         steps,
         warnings: scene.warnings().to_vec(),
@@ -205,14 +209,12 @@ impl Job<'_> {
         groups
     }
 
-    /// What receivers measure.
     fn receive(&self, solution: &Solution, light: &LightOptions) -> Result<Vec<Received<'_>>, Failure> {
         // Without interreflection receivers see lamps alone.
         let direct_only = self.scene().is_without(Feature::Interreflection);
         let seen = if direct_only { &self.problem.sources().emitted } else { &solution.radiance };
-        let receivers = self.scene().receivers().iter();
-        let trace = |receiver| Received::trace(self.tracer, self.patches, seen, receiver, light);
-        receivers.map(|receiver| Ok(trace(receiver)?)).collect()
+        let tolerated = self.args.goal.tolerated(self.scene());
+        Ok(measure::receive(self.tracer, self.patches, seen, light, tolerated)?)
     }
 
     fn draw(&self, solution: &Solution, look: &RenderOptions) -> Result<Pictures, Failure> {

@@ -153,29 +153,28 @@ fn elsewhere(energy: &EnergySummary) -> String {
     part("in carriers", energy.carriers) + &part("lost", energy.lost) + &part("slack", energy.slack)
 }
 
-/// Objects and materials whose errors are told, at most.
+/// Objects, materials and receivers whose errors are told, at most.
 const MOST_TOLD: usize = 5;
 
-/// Objects and materials with less than this part of all patches are left out: they are seldom asked for.
-const LEAST_PATCHES: f64 = 0.01;
-
-/// A table of the objects and materials with the largest errors relative to their own light, where there are
-/// several.
+/// A table of the objects, materials and receivers with the largest errors relative to their own light, where
+/// there are several.
 fn errors(all: &[GroupError], patches: usize) -> Option<String> {
-    let is_large = |group: &&GroupError| group.patches as f64 >= LEAST_PATCHES * patches as f64;
-    let mut told: Vec<&GroupError> = all.iter().filter(is_large).collect();
-    told.sort_by(|a, b| b.upper95.total_cmp(&a.upper95));
+    let mut told: Vec<&GroupError> = all.iter().filter(|group| group.counts(patches)).collect();
+    told.sort_by(|a, b| b.budget.upper95.total_cmp(&a.budget.upper95));
     told.truncate(MOST_TOLD);
-    let mut text =
-        format!("  {:<28} {:>10} {:>12} {:>10}\n", "largest errors by face", "patches", "W/m2", "95 %");
+    let mut text = format!("  {:<28} {:>10} {:>12} {:>10}\n", "largest errors", "patches", "W/m2", "95 %");
     for group in &told {
         let name = format!("{} {}", group.kind, group.name);
-        let bound = if group.upper95.is_finite() {
-            format!("± {} %", accuracy::percent(group.upper95))
+        let bound = if group.budget.upper95.is_finite() {
+            format!("± {} %", accuracy::percent(group.budget.upper95))
         } else {
             "unknown".into()
         };
-        text += &format!("  {name:<28} {:>10} {:>12} {bound:>10}\n", group.patches, short(group.irradiance));
+        text += &format!(
+            "  {name:<28} {:>10} {:>12} {bound:>10}\n",
+            group.patches,
+            short(group.budget.irradiance)
+        );
     }
     (told.len() > 2).then_some(text)
 }

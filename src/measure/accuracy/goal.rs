@@ -9,16 +9,17 @@ use crate::transport::FormFactors;
 /// When an answer is good enough. With neither an error nor a time, the first is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Goal {
-    /// What the error of irradiance by face is not to exceed, 95 times of 100.
+    /// What the error of irradiance by face is not to exceed on any object that has a hundredth of all
+    /// patches, 95 times of 100.
     pub error: Option<Tolerated>,
     /// Seconds within which steps are to end.
     pub seconds: Option<f64>,
 }
 
-/// How much error is good enough, as an area-weighted root mean square over faces.
+/// How much error is good enough, as an area-weighted root mean square over the faces of an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tolerated {
-    /// A share of the root mean square irradiance.
+    /// A share of its root mean square irradiance.
     Relative(f64),
     /// W·m⁻².
     Irradiance(f64),
@@ -33,7 +34,7 @@ pub struct AccuracyStep {
     pub rays: u32,
     /// Wall-clock seconds it took.
     pub seconds: f64,
-    /// The error to be expected.
+    /// The error to be expected on the object where it is the largest.
     pub relative_rms: f64,
     /// What it does not exceed in 95 cases of 100.
     pub upper95: f64,

@@ -9,6 +9,7 @@ mod constants;
 mod decision;
 mod forecast;
 mod goal;
+mod receivers;
 mod search;
 
 use std::time::Instant;
@@ -20,6 +21,7 @@ use crate::transport::TraceOptions;
 use constants::{FIRST_PATCHES, FIRST_RAYS, MESH_POWER, RAYS_RANGE, RUNG, RUNGS};
 use decision::Next;
 pub use goal::{AccuracyStep, Accurate, Ending, Goal, Resource, Setting, Tolerated};
+pub use receivers::{missed, receive};
 use search::{Attempt, Choice, Rung, Search};
 
 /// Finds the cheapest answer that meets `goal`. The sizes and numbers of rays in the options are not used.

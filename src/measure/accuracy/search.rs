@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::constants::{LEAST_MESH_POWER, MESH_POWER, MESH_POWERS, TELLING_RATIO};
-use super::goal::{AccuracyStep, Goal, Setting};
+use super::goal::{AccuracyStep, Goal, Setting, Tolerated};
 use crate::measure::error_bars::{ErrorBars, ErrorBudget, ErrorPart};
 use crate::measure::{Answer, Energy, Level, MeasureError, Verdict};
 use crate::patches::{Cutter, PatchSize, Patches, Tessellation};
@@ -15,14 +15,17 @@ use crate::transport::{FormFactors, Keep, LightOptions, TraceOptions};
 pub(super) struct Attempt<'s> {
     pub patches: Patches<'s>,
     pub factors: FormFactors,
+    /// Of the object whose error is the largest, in the goal's terms.
     pub budget: ErrorBudget,
+    /// How large that is.
+    pub error: f64,
     pub verdict: Verdict,
 }
 
 impl Attempt<'_> {
     /// A better answer has less: first by its verdict, then by its error.
     pub fn rank(&self) -> (Level, f64) {
-        (self.verdict.level, self.budget.upper95)
+        (self.verdict.level, self.error)
     }
 }
 
@@ -107,16 +110,22 @@ impl<'s> Search<'_, 's> {
         let problem = Problem::new(self.tracer, &patches, &factors, &light)?;
         let options = CgOptions { progress, ..Default::default() };
         let solution = problem.conjugate_gradients(&options)?;
-        let budget = ErrorBars::of(&patches, &problem, &solution, progress)?.budget;
+        let bars = ErrorBars::of(&patches, &problem, &solution, progress)?;
         let verdict = Verdict::of(&Answer {
             tracer: self.tracer,
             patches: &patches,
             problem: &problem,
             solution: &solution,
             energy: &Energy::of(&problem, &solution.radiance),
-            budget: Some(&budget),
+            budget: Some(&bars.budget),
             tolerance: options.tolerance,
         });
+        let size = |budget: &ErrorBudget| match self.goal.error {
+            Some(Tolerated::Irradiance(_)) => budget.upper95 * budget.irradiance,
+            Some(Tolerated::Relative(_)) | None => budget.upper95,
+        };
+        let budget = bars.headline(size).budget;
+        let error = size(&budget);
         let noise = budget.part(ErrorPart::RAYS).hypot(budget.part(ErrorPart::LAMPS));
         let step = AccuracyStep {
             patches: patches.len(),
@@ -141,6 +150,6 @@ impl<'s> Search<'_, 's> {
         }
         self.steps.push(step);
         self.scatter.push(budget.scatter);
-        Ok(Attempt { patches, factors, budget, verdict })
+        Ok(Attempt { patches, factors, budget, error, verdict })
     }
 }

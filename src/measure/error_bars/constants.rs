@@ -91,3 +91,7 @@ pub(super) const SEES_NOTHING: f64 = 1e-12;
 /// How many times its estimate the error by slack is taken not to exceed; a pure number. Chosen, not fitted:
 /// where the missing light lies is not known.
 pub(super) const SLACK_AT_MOST: f64 = 2.0;
+
+/// Objects with less than this part of all patches do not speak for the scene: they are seldom asked for. A
+/// pure number; by the definition of what is told.
+pub(super) const LEAST_PATCHES: f64 = 0.01;

@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::patches::{FaceRow, Patches};
+use crate::scene::Side;
 
 /// Irradiance by face, and sums over faces relative to it.
 pub(super) struct Faces {
@@ -25,6 +26,13 @@ impl Faces {
     /// Some of the rows by themselves.
     pub fn of_rows(&self, rows: &[usize]) -> Self {
         Self { irradiance: rows.iter().map(|&row| self.irradiance[row].clone()).collect(), place: Vec::new() }
+    }
+
+    /// Points that count alike, by their irradiance (m × c).
+    pub fn of_points(irradiance: &DMatrix<f64>) -> Self {
+        let mean = |i: usize| irradiance.row(i).iter().copied().collect();
+        let row = |i: usize| FaceRow { face: i, side: Side::Front, area: 1.0, mean: mean(i) };
+        Self { irradiance: (0..irradiance.nrows()).map(row).collect(), place: Vec::new() }
     }
 
     /// Averages a field over faces: a row per face and side.

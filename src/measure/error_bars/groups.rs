@@ -1,27 +1,55 @@
-//! Groups: the errors of objects and materials, each held against its own light.
+//! Groups: the errors of objects, materials and receivers, each held against its own light, and which of them
+//! is the worst.
 
 use serde::Serialize;
 
 use super::ErrorBudget;
+use super::constants::LEAST_PATCHES;
 use super::faces::Faces;
 use super::fields::Fields;
 use crate::patches::Patches;
 
-/// How wrong irradiance by face is on an object or a material, relative to its own.
+/// How wrong irradiance is by face on an object or a material, or at the points of a receiver, relative to its
+/// own.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GroupError {
-    /// `object` or `material`.
+    /// [`GroupError::OBJECT`], [`GroupError::MATERIAL`] or [`GroupError::RECEIVER`]; or [`GroupError::ALL`].
     pub kind: &'static str,
     /// Its name.
     pub name: String,
-    /// How many patches it has.
+    /// How many patches it has; of a receiver, points.
     pub patches: usize,
-    /// Root mean square irradiance of its faces, W·m⁻².
-    pub irradiance: f64,
-    /// The error to be expected, as area-weighted relative root mean square over its faces and all channels.
-    pub relative_rms: f64,
-    /// What it does not exceed in 95 cases of 100.
-    pub upper95: f64,
+    /// What is to be expected, and why.
+    #[serde(flatten)]
+    pub budget: ErrorBudget,
+}
+
+impl GroupError {
+    /// All faces.
+    pub const ALL: &'static str = "all";
+    /// Faces of one object.
+    pub const OBJECT: &'static str = "object";
+    /// Faces of one material.
+    pub const MATERIAL: &'static str = "material";
+    /// Points of a receiver.
+    pub const RECEIVER: &'static str = "receiver";
+
+    /// Whether it is large enough to speak for a scene of so many patches; receivers always are.
+    pub fn counts(&self, patches: usize) -> bool {
+        self.kind == Self::RECEIVER || self.patches as f64 >= LEAST_PATCHES * patches as f64
+    }
+}
+
+/// The object or receiver whose error is the largest by `size`, of those that count and have light.
+pub(super) fn worst(
+    groups: &[GroupError],
+    patches: usize,
+    size: impl Fn(&ErrorBudget) -> f64,
+) -> Option<&GroupError> {
+    let is_lit = |group: &&GroupError| group.budget.irradiance > 0.0 && group.budget.upper95.is_finite();
+    let counts = |group: &&GroupError| group.kind != GroupError::MATERIAL && group.counts(patches);
+    let candidates = groups.iter().filter(counts).filter(is_lit);
+    candidates.max_by(|a, b| size(&a.budget).total_cmp(&size(&b.budget)))
 }
 
 /// The errors of every object and material that has patches, in order of their numbers; `budget` makes one of
@@ -43,20 +71,13 @@ pub(super) fn by_group(
             let own = faces.of_rows(&rows);
             let budget = budget(&own, &fields.map(|field| field.select_rows(&rows)));
             let count = own.irradiance.iter().map(|row| patches.patches_of(row.face, row.side).len()).sum();
-            GroupError {
-                kind,
-                name: name.to_owned(),
-                patches: count,
-                irradiance: budget.irradiance,
-                relative_rms: budget.relative_rms,
-                upper95: budget.upper95,
-            }
+            GroupError { kind, name: name.to_owned(), patches: count, budget }
         };
         groups.map(error).collect()
     };
     let objects = scene.objects().iter().map(String::as_str).collect();
     let materials = scene.materials().iter().map(|material| material.name.as_str()).collect();
-    let mut all = errors("object", objects, &|face| scene.faces()[face].object);
-    all.extend(errors("material", materials, &|face| scene.faces()[face].material));
+    let mut all = errors(GroupError::OBJECT, objects, &|face| scene.faces()[face].object);
+    all.extend(errors(GroupError::MATERIAL, materials, &|face| scene.faces()[face].material));
     all
 }

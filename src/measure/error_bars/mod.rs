@@ -30,7 +30,7 @@ use crate::transport::{Received, Reflection};
 use faces::Faces;
 use fields::Fields;
 pub use groups::GroupError;
-use groups::by_group;
+use groups::{by_group, worst};
 pub(super) use mesh::Insight;
 pub(super) use noise::at_most as noise_at_most;
 pub use receivers::ReceiverBars;
@@ -46,13 +46,14 @@ pub struct ErrorBars {
     pub faces: Vec<FaceRow>,
     /// Of what each receiver measures.
     pub receivers: Vec<ReceiverBars>,
-    /// What the error of faces is made from.
+    /// What the error of all faces is made from.
     pub budget: ErrorBudget,
-    /// The errors of objects and materials.
+    /// The errors of objects, materials and receivers.
     pub groups: Vec<GroupError>,
 }
 
-/// How wrong irradiance by face is, as area-weighted relative root mean square over all channels, and why.
+/// How wrong irradiance by face is, as area-weighted relative root mean square over all channels, and why; of
+/// a receiver, over points and channels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ErrorBudget {
     /// The error to be expected.
@@ -140,7 +141,7 @@ impl ErrorBars {
         let by_face = by_patch.map(|field| faces.means(field));
         let sizes = Sizes::of(&faces, &by_face, patches, &solution.report);
         let budget = sizes.budget(problem, &solution.report, insight);
-        let groups = by_group(patches, &faces, &by_face, |faces, fields| {
+        let mut groups = by_group(patches, &faces, &by_face, |faces, fields| {
             Sizes::of(faces, fields, patches, &solution.report).budget(problem, &solution.report, insight)
         });
         let bars = |(f, row): (usize, &FaceRow)| FaceRow {
@@ -158,15 +159,37 @@ impl ErrorBars {
             };
             ReceiverBars::new(received, by_patch.map(arriving), sizes.common())
         };
-        let receivers = receivers.iter().map(of_receiver).collect();
+        let bars_of_receivers: Vec<ReceiverBars> = receivers.iter().map(of_receiver).collect();
+        groups.extend(receivers.iter().zip(&bars_of_receivers).map(|(received, bars)| {
+            let budget = bars.budget(|faces, fields| Sizes::of(faces, fields, patches, &solution.report));
+            GroupError {
+                kind: GroupError::RECEIVER,
+                name: received.receiver.name.clone(),
+                patches: received.irradiance.nrows(),
+                budget: budget.budget(problem, &solution.report, insight),
+            }
+        }));
         let (n, channels) = irradiance.shape();
         progress.at("solve", 1.0)?;
         Ok(Self {
             patches: DMatrix::from_fn(n, channels, |i, c| sizes.bar(irradiance[(i, c)], &by_patch, (i, c))),
             faces: faces.irradiance.iter().enumerate().map(bars).collect(),
-            receivers,
+            receivers: bars_of_receivers,
             budget,
             groups,
         })
+    }
+
+    /// What speaks for the answer: the error of the object or receiver whose own is the largest by `size`, of
+    /// those with light that have a hundredth of all patches; of all faces where there are none.
+    pub fn headline(&self, size: impl Fn(&ErrorBudget) -> f64) -> GroupError {
+        let patches = self.patches.nrows();
+        let all = || GroupError {
+            kind: GroupError::ALL,
+            name: String::new(),
+            patches,
+            budget: self.budget.clone(),
+        };
+        worst(&self.groups, patches, size).cloned().unwrap_or_else(all)
     }
 }

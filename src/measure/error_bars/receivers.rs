@@ -2,7 +2,9 @@
 
 use nalgebra::DMatrix;
 
+use super::faces::Faces;
 use super::fields::Fields;
+use super::sizes::Sizes;
 use crate::transport::{Received, ReceiverNoise};
 
 /// How wrong what a receiver measures may be.
@@ -28,6 +30,19 @@ impl ReceiverBars {
         let mut bars = Self { points: DMatrix::zeros(0, 0), own, sent, common, irradiance };
         bars.points = DMatrix::from_fn(points, channels, |i, c| bars.standard_error(|field| field[(i, c)]));
         bars
+    }
+
+    /// What it measures, m × c, W·m⁻².
+    pub fn irradiance(&self) -> &DMatrix<f64> {
+        &self.irradiance
+    }
+
+    /// How large each source of error is over the points, by how large `sizes` finds those of what patches send
+    /// out: with the noise of the receiver's own rays, and what errors of the mesh have in common.
+    pub(super) fn budget(&self, sizes: impl Fn(&Faces, &Fields) -> Sizes) -> Sizes {
+        let points = Faces::of_points(&self.irradiance);
+        let own = points.relative(|i, c| self.own.variance(|field| field[(i, c)]));
+        sizes(&points, &self.sent).with(own, self.common)
     }
 
     /// One standard error of a linear function of the points' irradiance (m × c), in its unit.

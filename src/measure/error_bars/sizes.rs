@@ -56,6 +56,11 @@ impl Sizes {
         }
     }
 
+    /// The same with more noise and more mesh error, as relative root mean squares.
+    pub fn with(self, noise: f64, mesh: f64) -> Self {
+        Self { lamps: self.lamps.hypot(noise), mesh: self.mesh.hypot(mesh), ..self }
+    }
+
     /// What the error is made from, and what follows of it.
     pub fn budget(&self, problem: &Problem, report: &Report, insight: Insight) -> ErrorBudget {
         let &Self { mesh, rays, lamps, solver, scatter, irradiance, .. } = self;

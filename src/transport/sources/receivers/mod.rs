@@ -48,6 +48,7 @@ pub struct ReceiverRows {
     /// H₀, m × c, W·m⁻².
     direct: DMatrix<f64>,
     noise: ReceiverNoise,
+    rays: u32,
 }
 
 /// Samples of the noise of a receiver's own rays, under the radiance for which its rows were traced.
@@ -156,7 +157,13 @@ impl ReceiverRows {
         };
         options.progress.at("receive", 1.0)?;
         let rows = found.into_iter().map(|found| found.rows).collect();
-        Ok(Self { tones: gather.tones, direct, rows, noise: ReceiverNoise { rays, crossings } })
+        Ok(Self {
+            tones: gather.tones,
+            direct,
+            rows,
+            noise: ReceiverNoise { rays, crossings },
+            rays: gather.rays,
+        })
     }
 
     /// Irradiance H = H₀ + πFL of the points under radiance L (N × c), m × c, W·m⁻².
@@ -176,6 +183,11 @@ impl ReceiverRows {
             let tone = self.tones.of_channel(c);
             PI * self.rows[i][tone].iter().map(|&(j, f)| f * radiance[(j as usize, c)]).sum::<f64>()
         })
+    }
+
+    /// Rays of each point.
+    pub fn rays(&self) -> u32 {
+        self.rays
     }
 
     /// The noise of these rays.
