@@ -38,7 +38,7 @@ pub use reach::{Reach, seeing_sides};
 pub enum PatchSize {
     /// About so many patches in all. Faces are never merged, so a mesh of many faces has at least as many
     /// patches; even then half the count goes to cutting its larger faces. Wide faces with nothing over or
-    /// under them, such as the ground around a house, are not counted: they have an eighth as many more,
+    /// under them, such as the ground around a house, are not counted: they have a sixth as many more,
     /// that grow with their distance from all else.
     Count(usize),
     /// No leg of a patch longer than this, metres.
@@ -293,8 +293,8 @@ impl<'s> Patches<'s> {
         self.scene
     }
 
-    /// The longest leg a patch may have, metres; but on surroundings, see [`PatchSize::Count`], where it may be
-    /// longer.
+    /// The longest leg a patch may have, metres; but on surroundings, see [`PatchSize::Count`], where it may
+    /// be longer.
     pub fn edge(&self) -> f64 {
         self.fineness.edge * self.frame.scale()
     }

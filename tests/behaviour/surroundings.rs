@@ -82,7 +82,7 @@ fn a_room_keeps_its_patches_on_a_square_kilometre_of_ground() {
         for scene in [whole, Scene::new(turned).unwrap()] {
             let [room, rest] = count(&scene);
             assert!(room as f64 >= 0.9 * alone as f64, "{room} of {alone}");
-            assert!(rest <= alone / 5, "{rest} on the ground, {alone} alone");
+            assert!(rest <= alone / 4, "{rest} on the ground, {alone} alone");
         }
     }
 }
@@ -144,5 +144,6 @@ fn a_ground_that_lights_without_area_stand_on_is_cut_evenly() {
     let patches = cut_into(&tracer, 4000);
     let [room, rest] = counts(&patches);
     assert!(rest > 3000, "{room} {rest}");
-    assert!(longest_leg(&patches, 2 * ROOM) <= 1.01 * patches.edge());
+    let leg = longest_leg(&patches, 2 * ROOM);
+    assert!(leg <= 1.5 * patches.edge(), "{leg} {}", patches.edge());
 }

@@ -9,8 +9,8 @@ use super::faces::Faces;
 use super::fields::Fields;
 use crate::patches::Patches;
 
-/// How wrong irradiance is by face on an object or a material, or at the points of a receiver, relative to its
-/// own.
+/// How wrong irradiance is by face on an object or a material, or at the points of a receiver, relative to
+/// its own.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GroupError {
     /// [`GroupError::OBJECT`], [`GroupError::MATERIAL`] or [`GroupError::RECEIVER`]; or [`GroupError::ALL`].

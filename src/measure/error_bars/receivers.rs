@@ -37,8 +37,8 @@ impl ReceiverBars {
         &self.irradiance
     }
 
-    /// How large each source of error is over the points, by how large `sizes` finds those of what patches send
-    /// out: with the noise of the receiver's own rays, and what errors of the mesh have in common.
+    /// How large each source of error is over the points, by how large `sizes` finds those of what patches
+    /// send out: with the noise of the receiver's own rays, and what errors of the mesh have in common.
     pub(super) fn budget(&self, sizes: impl Fn(&Faces, &Fields) -> Sizes) -> Sizes {
         let points = Faces::of_points(&self.irradiance);
         let own = points.relative(|i, c| self.own.variance(|field| field[(i, c)]));

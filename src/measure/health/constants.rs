@@ -93,11 +93,11 @@ pub(super) const TOLERABLE: f64 = 0.01;
 pub(super) const WELL_CONDITIONED: f64 = 1e3;
 pub(super) const ILL_CONDITIONED: f64 = 1e6;
 
-/// What lies farther from the box around the scene than this part of its longest side, over it or elsewhere, is
-/// no part of it; pure numbers. Chosen: what is measured in front of walls is nearer.
+/// What lies farther from the box around the scene than this part of its longest side, over it or elsewhere,
+/// is no part of it; pure numbers. Chosen: what is measured in front of walls is nearer.
 pub(super) const FAR_OVER: f64 = 10.0;
 pub(super) const BESIDE: f64 = 0.1;
 
-/// What lies no farther behind a face than this part of the scene's longest side is right behind it; a pure
-/// number. Chosen: two centimetres in a room of four metres.
+/// What lies no farther behind a face than this part of the scene's longest side is right behind it; a
+/// pure number. Chosen: two centimetres in a room of four metres.
 pub(super) const RIGHT_BEHIND: f64 = 0.005;

@@ -1,9 +1,9 @@
 //! Fineness: how long the legs of patches may be, everywhere alike or longer on surroundings.
 
-/// How many times their distance from all else legs on surroundings may be long, and as much more as these are
-/// coarser next to it than all else is; a ratio. Chosen: what is seen of a patch from elsewhere is then nearly
-/// all the same.
-const GROWTH: f64 = 0.25;
+/// How many times their distance from all else legs on surroundings may be long, and as much more as these
+/// are coarser next to it than all else is; a ratio. Chosen: what is seen of a patch from elsewhere is then
+/// nearly all the same.
+const GROWTH: f64 = 0.5;
 
 /// How long the legs of patches may be; normalised lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]

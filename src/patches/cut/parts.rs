@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use glam::{DMat2, DVec2, DVec3};
 use rayon::prelude::*;
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation};
 
 use super::contacts::{Contacts, Flat, Line};
 use super::fineness::Fineness;
@@ -52,6 +52,10 @@ const LINES: [usize; 2] = [1 << 18, 16];
 const MOST_CROSSINGS: usize = 1 << 19;
 const MOST_CROSSINGS_ON_FACE: [usize; 2] = [64, 4096];
 
+/// The least angle of parts of surroundings where lines allow it, degrees. Chosen: slivers from a house to
+/// the horizon would be as narrow far away as at the house.
+const LEAST_ANGLE: f64 = 20.0;
+
 /// Triangles of less than this share of their face are rounding, no parts.
 const DUST: f64 = 1e-13;
 
@@ -76,6 +80,11 @@ pub(crate) struct Parts {
 }
 
 impl Parts {
+    /// Whether a face is cut by its distance from all else.
+    pub fn is_around(&self, face: usize, fineness: Fineness) -> bool {
+        fineness.grows() && self.surroundings.as_ref().is_some_and(|all| all.has(face))
+    }
+
     /// Whether contacts part no face.
     pub fn is_empty(&self) -> bool {
         self.parted.is_empty()
@@ -97,7 +106,7 @@ impl Parts {
             Some(parted) => parted.parts.as_slice(),
             None => &whole,
         };
-        let wide = self.surroundings.as_ref().filter(|all| fineness.grows() && all.has(face));
+        let wide = self.surroundings.as_ref().filter(|_| self.is_around(face, fineness));
         for part in parts {
             match wide {
                 Some(surroundings) => surroundings.divide(*part, fineness, each),
@@ -152,7 +161,8 @@ impl<'t> Parting<'t> {
         let (tracer, contacts, exact) = (self.tracer, &self.contacts, &self.exact);
         let surroundings = self.surroundings.clone();
         let find = || {
-            let parted = Parted::find(tracer, contacts, exact, f64::from(power).exp2());
+            let edge = f64::from(power).exp2();
+            let parted = Parted::find(tracer, contacts, exact, surroundings.as_deref(), edge);
             Arc::new(Parts { parted, surroundings })
         };
         self.known.entry(power).or_insert_with(find).clone()
@@ -162,7 +172,13 @@ impl<'t> Parting<'t> {
 impl Parted {
     /// Parts every diffuse face that is longer than `edge`, is covered by another, or that another passes
     /// through.
-    fn find(tracer: &Tracer, contacts: &Contacts, exact: &ExactLines, edge: f64) -> Vec<Self> {
+    fn find(
+        tracer: &Tracer,
+        contacts: &Contacts,
+        exact: &ExactLines,
+        surroundings: Option<&Surroundings>,
+        edge: f64,
+    ) -> Vec<Self> {
         let faces = tracer.scene().faces().len();
         let lines = contact_lines(tracer, contacts, edge);
         let [least, most] = MOST_CROSSINGS_ON_FACE;
@@ -172,6 +188,7 @@ impl Parted {
             let longest = longest_side(corners);
             let exact = exact.get(&face).map_or(&[][..], Vec::as_slice);
             let [touching, near] = &lines[face];
+            let is_graded = surroundings.is_some_and(|around| around.has(face));
             if exact.is_empty() && touching.is_empty() && near.is_empty() {
                 return None;
             }
@@ -183,7 +200,7 @@ impl Parted {
                 welded.add_all(touching);
                 welded.weld = WELD * edge;
                 welded.add_all(near);
-                (triangulate(&flat.corners, welded.drawn()), is_always)
+                (triangulate(&flat.corners, welded.drawn(), is_graded), is_always)
             };
             // Where rounding leaves no way to draw lines exactly, they are drawn as those of what is near
             // are.
@@ -382,9 +399,9 @@ fn split_at_crossings(lines: &[[DVec2; 2]]) -> Vec<[DVec2; 2]> {
     pieces
 }
 
-/// The triangles of a face with these corners and these lines on it, as points of the face; none if there are
-/// no lines, or no way.
-fn triangulate(corners: &[DVec2; 3], lines: &[[DVec2; 2]]) -> Option<Vec<[DVec2; 3]>> {
+/// The triangles of a face with these corners and these lines on it, as points of the face, none of them very
+/// acute if they are to be graded; none if there are no lines, or no way.
+fn triangulate(corners: &[DVec2; 3], lines: &[[DVec2; 2]], is_graded: bool) -> Option<Vec<[DVec2; 3]>> {
     if lines.is_empty() {
         return None;
     }
@@ -399,6 +416,9 @@ fn triangulate(corners: &[DVec2; 3], lines: &[[DVec2; 2]]) -> Option<Vec<[DVec2;
     for pair in ends.chunks_exact(2).filter(|pair| pair[0] != pair[1]) {
         // What rounding makes cross another line after all is left out.
         mesh.try_add_constraint(pair[0], pair[1]);
+    }
+    if is_graded {
+        mesh.refine(RefinementParameters::new().with_angle_limit(AngleLimit::from_deg(LEAST_ANGLE)));
     }
     let [a, b, c] = *corners;
     let inverse = DMat2::from_cols(b - a, c - a).inverse();
@@ -464,7 +484,7 @@ mod tests {
             // As lines of contacts are welded, and as those along which others pass through a face.
             let mut welded = Welded::new(&face, [0.003, 1e-9][seed as usize / 4 % 2], usize::MAX);
             welded.add_all(&long_first(lines));
-            let Some(triangles) = triangulate(&face, welded.drawn()) else {
+            let Some(triangles) = triangulate(&face, welded.drawn(), false) else {
                 // Exact lines on needles may leave no way; they are then welded.
                 assert!(welded.drawn().is_empty() || welded.weld < 1e-6, "{face:?} {seed}");
                 continue;
@@ -507,7 +527,7 @@ mod tests {
     fn lines_are_edges_of_parts() {
         let face = faces()[0];
         let ends = [DVec2::new(0.2, 0.1), DVec2::new(0.6, 0.2)];
-        let triangles = triangulate(&face, &[ends]).unwrap();
+        let triangles = triangulate(&face, &[ends], false).unwrap();
         let has = |triangle: &[DVec2; 3]| {
             let corners = triangle.map(|weights| on(face, weights.into()));
             ends.iter().all(|end| corners.iter().any(|corner| corner.distance(*end) < 1e-12))

@@ -15,14 +15,14 @@ const DARK_PER_PATCH: f64 = 16.0;
 
 /// Patches of the surroundings for each of the rest; a ratio. Chosen: a scene takes little longer for them,
 /// and those next to a room are hardly larger than its own.
-const AROUND: f64 = 1.0 / 8.0;
+const AROUND: f64 = 1.0 / 6.0;
 
 /// How many times as long the legs of the surroundings are as elsewhere, next to all else, at least and at
 /// most; ratios. Chosen: beyond that there is one patch to a part.
 const COARSER: [f64; 2] = [1.0, 64.0];
 
-/// How fine a cut has about `count` reached slots, and how many it has, where `share` tells which part of each
-/// face's sides is reached.
+/// How fine a cut has about `count` reached slots, and how many it has, where `share` tells which part of
+/// each face's sides is reached.
 pub(crate) fn fineness_for(
     tracer: &Tracer,
     count: usize,
@@ -61,8 +61,8 @@ fn count_apart(tracer: &Tracer, around: &Surroundings) -> bool {
     !places.any(|place| around.is_beside(tracer.frame().from_world(place)))
 }
 
-/// The edge (normalised) at which about `count` slots of faces are reached, and how many are, from the part of
-/// each that is reached.
+/// The edge (normalised) at which about `count` slots of faces are reached, and how many are, from the part
+/// of each that is reached.
 fn even_edge(tracer: &Tracer, count: usize, parting: &mut Parting, faces: &[(usize, f64)]) -> (f64, f64) {
     let whole: f64 = faces.iter().map(|&(_, share)| share).sum();
     let goal = if whole < count as f64 { count as f64 } else { whole + 0.5 * count as f64 };

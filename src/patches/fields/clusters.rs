@@ -70,10 +70,11 @@ impl Patches<'_> {
         let mut small = Vec::new();
         for (slot, members) in cells {
             // Where a coarser cut is meant, what a face's border leaves over stays by itself, as it would
-            // there.
+            // there; but surroundings are cut into parts of few patches each.
+            let is_around = self.parts.is_around(slot.face, self.fineness);
             let count = match light {
-                Some(_) => self.patches_of(slot.face, slot.side).len(),
-                None => members.len(),
+                Some(_) if !is_around => self.patches_of(slot.face, slot.side).len(),
+                _ => members.len(),
             };
             if count as f64 > 0.5 * patches {
                 clusters.add(&members);
