@@ -17,10 +17,11 @@ pub fn solid_angle(point: DVec3, corners: &[DVec3; 3]) -> f64 {
     2.0 * numerator.atan2(denominator)
 }
 
-/// A direction from a point to a triangle with [`triangle_pdf`].
+/// A direction from a point to a triangle with [`triangle_pdf`]: uniform in solid angle to one that is near,
+/// and to a point drawn by area on any other, which is as good and has no angles to work out.
 #[inline]
 pub fn towards_triangle(point: DVec3, corners: &[DVec3; 3], square: [f64; 2]) -> DVec3 {
-    if solid_angle(point, corners) < TINY {
+    if !is_near(point, corners) || solid_angle(point, corners) < TINY {
         let at = triangle::point(corners, uniform_triangle(square));
         return (at - point).normalize_or(DVec3::Y);
     }
@@ -31,11 +32,15 @@ pub fn towards_triangle(point: DVec3, corners: &[DVec3; 3], square: [f64; 2]) ->
 /// cosine to its normal, per unit of solid angle.
 #[inline]
 pub fn triangle_pdf(point: DVec3, corners: &[DVec3; 3], (distance, cosine): (f64, f64)) -> f64 {
+    let by_area = || distance * distance / (cosine * triangle::area(corners));
+    if !is_near(point, corners) {
+        return by_area();
+    }
     let angle = solid_angle(point, corners);
-    if angle < TINY { distance * distance / (cosine * triangle::area(corners)) } else { 1.0 / angle }
+    if angle < TINY { by_area() } else { 1.0 / angle }
 }
 
-/// What is nearer than so many radii of a triangle lights it up unevenly.
+/// What is nearer than so many radii of a triangle lights it up unevenly, and sees it unevenly.
 const NEAR: f64 = 3.0;
 
 /// A point of a triangle.

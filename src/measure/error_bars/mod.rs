@@ -27,6 +27,7 @@ use crate::progress::Progress;
 use crate::scene::Feature;
 use crate::solve::{Certainty, Problem, Solution};
 use crate::transport::{Received, Reflection};
+pub use constants::{FITTED, Fitted};
 use faces::Faces;
 use fields::Fields;
 pub use groups::GroupError;

@@ -49,6 +49,8 @@ pub(super) struct Opening {
     /// Unit normal towards the inside.
     pub normal: DVec3,
     pub area: f64,
+    /// What a vector from the first corner is to be multiplied by for its weights of the second and third.
+    weights: [DVec3; 2],
     /// The part of the lines through it that lead from the inside to the sky.
     pub passing: f64,
 }
@@ -155,6 +157,31 @@ fn judge(
         count += (few..all).filter(|&k| passes(k)).count();
     }
     let passing = count as f64 / f64::from(all);
-    let opening = Opening { corners: *corners, normal, area: triangle::area(corners), passing };
-    (passing >= LEAST_PASSING).then_some(opening)
+    (passing >= LEAST_PASSING).then(|| Opening::new(corners, normal, passing))
+}
+
+/// Directions that miss a triangle by no more than this meet its rim, rad: what was drawn on the rim must not
+/// be taken for drawn in another way, or it would count for a thousand others.
+const RIM: f64 = 1e-13;
+
+impl Opening {
+    fn new(corners: &[DVec3; 3], normal: DVec3, passing: f64) -> Self {
+        let (&[a, b, c], across) = (corners, triangle::across(corners));
+        let weights = [(c - a).cross(across), across.cross(b - a)].map(|w| w / across.length_squared());
+        Self { corners: *corners, normal, area: triangle::area(corners), weights, passing }
+    }
+
+    /// The distance, perhaps negative, at which the line through a point in a direction meets it; none if it
+    /// does not.
+    #[inline]
+    fn met_at(&self, point: DVec3, direction: DVec3) -> Option<f64> {
+        let from = point - self.corners[0];
+        let cosine = -self.normal.dot(direction);
+        let distance = self.normal.dot(from) / cosine;
+        let at = from + distance * direction;
+        let [u, v] = self.weights.map(|weight| weight.dot(at));
+        // By how much a direction that is off by so little moves the point.
+        let rim = RIM * (distance / cosine).abs() * (self.weights[0].length() + self.weights[1].length());
+        (u >= -rim && v >= -rim && u + v <= 1.0 + rim).then_some(distance)
+    }
 }

@@ -72,7 +72,7 @@ impl Through<'_> {
         let here = normal.dot(towards).abs();
         let pdf = |(k, opening): (usize, &&Opening)| {
             let there = -opening.normal.dot(towards);
-            let is_met = there > 0.0 && opening.is_met(point, towards);
+            let is_met = there > 0.0 && opening.met_at(point, towards).is_some();
             if is_met { self.chances.weight(k) * here / (there * opening.area) } else { 0.0 }
         };
         self.seen.iter().enumerate().map(pdf).sum()

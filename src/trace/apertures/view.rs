@@ -17,10 +17,6 @@ const MOST_SEEN: usize = 16;
 /// Chosen, not fitted.
 const LEAST_SEEN: f64 = 1e-3;
 
-/// Directions that miss a triangle by no more than this meet its rim, rad: what was drawn on the rim must not
-/// be taken for drawn in another way, or it would count for a thousand others.
-const RIM: f64 = 1e-13;
-
 /// Apertures as seen from a surface.
 #[derive(Clone, Debug)]
 pub struct ApertureView {
@@ -104,21 +100,14 @@ impl ApertureView {
 }
 
 impl Opening {
-    /// Whether the line through a point in a direction meets it.
-    #[inline]
-    pub(super) fn is_met(&self, point: DVec3, direction: DVec3) -> bool {
-        let [a, b, c] = self.corners.map(|corner| corner - point);
-        let turns = [a.cross(b), b.cross(c), c.cross(a)].map(|across| across.dot(direction));
-        let least = RIM * a.length_squared().max(b.length_squared()).max(c.length_squared());
-        turns.iter().all(|&turn| turn >= -least) || turns.iter().all(|&turn| turn <= least)
-    }
-
     /// The distance at which a direction from a point inside meets it, and the cosine there.
     #[inline]
     fn met_along(&self, point: DVec3, direction: DVec3) -> Option<(f64, f64)> {
         let (height, cosine) = (self.normal.dot(point - self.corners[0]), -self.normal.dot(direction));
-        let is_met = height > IN_PLANE && cosine > 0.0 && self.is_met(point, direction);
-        is_met.then(|| (height / cosine, cosine))
+        if height <= IN_PLANE || cosine <= 0.0 {
+            return None;
+        }
+        self.met_at(point, direction).map(|distance| (distance, cosine))
     }
 
     /// Density of a direction that is drawn towards it.
