@@ -1,9 +1,9 @@
 //! Constants of the error bars: how far errors may exceed what batches of rays and merged patches tell.
 //!
 //! Those called *fitted* or *measured* say on what, where the history tells. `examples/fit_constants` holds
-//! those of [`FITTED`] against the errors of scenes that nothing else looks at, and says what would fit these.
-//! What comes of them is tested in `tests/behaviour/error_bars.rs`: noise against answers with other rays,
-//! and bounds against another renderer's answers.
+//! those of [`FITTED`] against the errors of scenes that nothing else looks at, and says what would fit
+//! these. What comes of them is tested in `tests/behaviour/error_bars.rs`: noise against answers with other
+//! rays, and bounds against another renderer's answers.
 
 /// Constants of error bars that are fitted to scenes; pure numbers.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::mesh::{Insight, Known, MeshError, mesh_error};
+use super::mesh::{Insight, Known, MeshError, mesh_error, unresolved};
 use super::noise::{self, Noise};
 use super::slack;
 use crate::measure::MeasureError;
@@ -24,6 +24,8 @@ pub(super) struct Fields {
     pub merging: DMatrix<f64>,
     /// What light that varies within patches near lamps changes, as either half of the rays has it.
     pub variation: [DMatrix<f64>; 2],
+    /// What larger patches nearby may be unlike where a patch sees them.
+    pub unresolved: DMatrix<f64>,
     /// What rows of form factors lack that could not be closed; none where all close.
     pub missing: Option<DMatrix<f64>>,
 }
@@ -50,8 +52,9 @@ impl Fields {
         let known = Known { radiance: &radiance, irradiance: &irradiance, order };
         let MeshError { by_merging: merging, by_variation: variation, insight } =
             mesh_error(patches, [factors, by_patch], sources, &known)?;
+        let unresolved = unresolved(patches, by_patch, &arriving);
         let missing = slack::missing(patches, by_patch, [&radiance, &irradiance])?;
-        Ok((Self { rays, lamps, merging, variation, missing }, insight))
+        Ok((Self { rays, lamps, merging, variation, unresolved, missing }, insight))
     }
 
     /// The same after a linear map, such as means over faces.
@@ -62,6 +65,7 @@ impl Fields {
             lamps: all(&self.lamps),
             merging: map(&self.merging),
             variation: self.variation.each_ref().map(&map),
+            unresolved: map(&self.unresolved),
             missing: self.missing.as_ref().map(&map),
         }
     }
@@ -71,7 +75,8 @@ impl Fields {
         let noise = variance_of_mean(&self.rays, &of) + variance_of_mean(&self.lamps, &of);
         let [a, b] = self.variation.each_ref().map(&of);
         let missing = self.missing.as_ref().map_or(0.0, &of);
-        noise + of(&self.merging).powi(2) + (a * b).max(0.0) + missing * missing
+        let mesh = of(&self.merging).powi(2) + (a * b).max(0.0) + of(&self.unresolved).powi(2);
+        noise + mesh + missing * missing
     }
 
     /// The variance of one value, by noise.
@@ -88,7 +93,7 @@ impl Fields {
 
     /// The square of what is seen of the mesh error in one value.
     pub fn mesh_squared(&self, at: (usize, usize)) -> f64 {
-        self.merging[at].powi(2) + self.varied_squared(at).max(0.0)
+        self.merging[at].powi(2) + self.varied_squared(at).max(0.0) + self.unresolved[at].powi(2)
     }
 
     /// The square of what one value may miss.

@@ -9,8 +9,10 @@
 //! it changes elsewhere.
 
 use std::collections::HashSet;
+use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use super::constants::{
     ALIKE, CHANGE_TOLERANCE, FLAT_NORMALS, FOCUSED, MERGED, MERGED_ENOUGH, MERGED_LINEAR, MESH_AT_MOST,
@@ -139,6 +141,26 @@ fn varied(
         Ok(straight + patches.spread_over(clusters, &more))
     };
     Ok([with_reflections(first)?, with_reflections(second)?])
+}
+
+/// What irradiance of patches (n × c, W·m⁻²) may be off because what they see of larger patches nearby is
+/// unlike these as a whole, such as what lies in their own shadow: π L F of each such patch, by the part of
+/// it that a patch does not cover, and by F once more: what comes from many patches is as bright as they are
+/// on average.
+pub(super) fn unresolved(patches: &Patches, factors: &FormFactors, radiance: &DMatrix<f64>) -> DMatrix<f64> {
+    let (areas, channels) = (patches.normalised_areas(), radiance.ncols());
+    let of_patch = |i: usize| {
+        let mut squares = vec![0.0; channels];
+        factors.exchange().for_entries(i, |j, exchange| {
+            let share = exchange / areas[i];
+            let unlike = PI * share * share * (1.0 - areas[i] / areas[j]).max(0.0);
+            let squared = unlike * unlike;
+            squares.iter_mut().enumerate().for_each(|(c, sum)| *sum += squared * radiance[(j, c)].powi(2));
+        });
+        squares.into_iter().map(f64::sqrt).collect::<Vec<_>>()
+    };
+    let rows: Vec<Vec<f64>> = (0..patches.len()).into_par_iter().map(of_patch).collect();
+    DMatrix::from_fn(patches.len(), channels, |i, c| rows[i][c])
 }
 
 /// Whether surfaces that pass light on undiffused face more than a few ways.

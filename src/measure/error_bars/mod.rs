@@ -182,7 +182,8 @@ impl ErrorBars {
     }
 
     /// What speaks for the answer: the error of the object or receiver whose own is the largest by `size`, of
-    /// those with light that have a hundredth of all patches; of all faces where there are none.
+    /// those with light that have a hundredth of all patches; of all faces where there are none, or all are one
+    /// object.
     pub fn headline(&self, size: impl Fn(&ErrorBudget) -> f64) -> GroupError {
         let patches = self.patches.nrows();
         let all = || GroupError {
@@ -191,6 +192,8 @@ impl ErrorBars {
             patches,
             budget: self.budget.clone(),
         };
-        worst(&self.groups, patches, size).cloned().unwrap_or_else(all)
+        let objects = self.groups.iter().filter(|group| group.kind == GroupError::OBJECT).count();
+        let speaks = |group: &&GroupError| objects > 1 || group.kind != GroupError::OBJECT;
+        worst(&self.groups, patches, size).filter(speaks).cloned().unwrap_or_else(all)
     }
 }

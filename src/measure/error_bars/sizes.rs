@@ -44,7 +44,9 @@ impl Sizes {
         let left_out = left_out(patches, &report.missing);
         let is_short = fields.missing.is_some();
         Self {
-            mesh: by_merging.hypot(faces.relative(|f, c| fields.varied_squared((f, c)))),
+            mesh: by_merging
+                .hypot(faces.relative(|f, c| fields.varied_squared((f, c))))
+                .hypot(faces.relative(|f, c| fields.unresolved[(f, c)].powi(2))),
             rays,
             lamps,
             slack: is_short.then(|| faces.relative(|f, c| fields.missing_squared((f, c)))),
