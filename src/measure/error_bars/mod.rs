@@ -182,8 +182,8 @@ impl ErrorBars {
     }
 
     /// What speaks for the answer: the error of the object or receiver whose own is the largest by `size`, of
-    /// those with light that have a hundredth of all patches; of all faces where there are none, or all are one
-    /// object.
+    /// those with light that have a hundredth of all patches; of all faces where there are none, or where all
+    /// are one object.
     pub fn headline(&self, size: impl Fn(&ErrorBudget) -> f64) -> GroupError {
         let patches = self.patches.nrows();
         let all = || GroupError {
