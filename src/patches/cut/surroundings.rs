@@ -25,8 +25,8 @@ const WIDE: f64 = 8.0;
 /// Rays by which either side of a face looks around; a number. Chosen: a share is then known to 0.08.
 const RAYS: u32 = 32;
 
-/// How many of them may meet anything from a face that has nothing over or under it; a number. Chosen: of a
-/// plain on whose middle a cube stands that is a third as wide some 3 do, of the ground of a street 16.
+/// How many of them may meet anything from a face that has nothing over or under it; a number. Chosen: of the
+/// ground between houses about half do, of that around a house few.
 const MOST_MET: u32 = 8;
 
 /// How many faces look around, the largest first; a number. Chosen: they take some 0.1 s.
