@@ -47,6 +47,12 @@ pub(crate) fn longest_squared(&[a, b, c]: &[DVec3; 3]) -> f64 {
     (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared())
 }
 
+/// The length of the longest edge.
+#[inline]
+pub(crate) fn longest(corners: &[DVec3; 3]) -> f64 {
+    longest_squared(corners).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -31,8 +31,3 @@ impl Part {
         })
     }
 }
-
-/// The length of the longest side.
-pub(super) fn longest_side(corners: &[DVec3; 3]) -> f64 {
-    (0..3).map(|k| corners[k].distance(corners[(k + 1) % 3])).fold(0.0, f64::max)
-}

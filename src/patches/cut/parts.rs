@@ -20,10 +20,10 @@ use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementPara
 use super::contacts::{Contacts, Flat, Line};
 use super::fineness::Fineness;
 use super::grid::cells_for;
-use super::part::{Part, longest_side};
+use super::part::Part;
 use super::surroundings::Surroundings;
 use crate::patches::PatchError;
-use crate::scene::Side;
+use crate::scene::{Side, triangle};
 use crate::trace::Tracer;
 
 /// How near before a face a surface may end to count as touching it, as a share of the patches' legs.
@@ -185,7 +185,7 @@ impl Parted {
         let crossings = (MOST_CROSSINGS / faces.max(1)).clamp(least, most);
         let part = |face: usize| {
             let corners = tracer.corners(face);
-            let longest = longest_side(corners);
+            let longest = triangle::longest(corners);
             let exact = exact.get(&face).map_or(&[][..], Vec::as_slice);
             let [touching, near] = &lines[face];
             let is_graded = surroundings.is_some_and(|around| around.has(face));
@@ -221,7 +221,8 @@ impl Parted {
 /// Per face that is longer than `edge`, the lines of what touches it and of what is near, long ones first.
 fn contact_lines(tracer: &Tracer, contacts: &Contacts, edge: f64) -> Vec<[Vec<Line>; 2]> {
     let faces = tracer.scene().faces().len();
-    let is_long = |face: usize| tracer.scene().is_diffuse(face) && longest_side(tracer.corners(face)) > edge;
+    let is_long =
+        |face: usize| tracer.scene().is_diffuse(face) && triangle::longest(tracer.corners(face)) > edge;
     let most = budget(NEIGHBOURS, faces);
     let count = |face: usize| if is_long(face) { contacts.count_near(face, NEAR * edge, most) } else { 0 };
     let neighbours: Vec<usize> = (0..faces).into_par_iter().map(count).collect();

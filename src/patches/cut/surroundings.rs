@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::contacts::box_around;
 use super::fineness::Fineness;
-use super::part::{Part, longest_side};
+use super::part::Part;
 use crate::scene::{FaceState, Side, distance_to, triangle};
 use crate::trace::sampling::{Stream, cosine_hemisphere, frame_around, uniform_triangle};
 use crate::trace::{Ray, Tracer};
@@ -93,7 +93,7 @@ impl Surroundings {
     /// Divides a part of a face into parts that are cut evenly each, and tells for how long legs.
     pub fn divide(&self, part: Part, fineness: Fineness, each: &mut impl FnMut(&Part, f64)) {
         let [a, b, c] = part.corners;
-        let (centre, longest) = ((a + b + c) / 3.0, longest_side(&part.corners));
+        let (centre, longest) = ((a + b + c) / 3.0, triangle::longest(&part.corners));
         let radius = part.corners.map(|corner| corner.distance(centre)).into_iter().fold(0.0, f64::max);
         let distance = (self.distance(centre) - radius).max(0.0);
         let legs = fineness.at(distance);

@@ -125,7 +125,7 @@ impl Drawing {
 
 /// Whether a triangle is more than a line.
 fn is_wide(corners: &[DVec3; 3]) -> bool {
-    2.0 * triangle::area(corners) > THIN * triangle::longest_squared(corners).sqrt()
+    2.0 * triangle::area(corners) > THIN * triangle::longest(corners)
 }
 
 /// Whether no opaque face lies at the middle of a triangle of the plane.
