@@ -51,6 +51,8 @@ pub(super) struct Opening {
     pub area: f64,
     /// What a vector from the first corner is to be multiplied by for its weights of the second and third.
     weights: [DVec3; 2],
+    /// By how much these change at most where a direction from one unit of length away is off by [`RIM`].
+    rim: f64,
     /// The part of the lines through it that lead from the inside to the sky.
     pub passing: f64,
 }
@@ -168,7 +170,8 @@ impl Opening {
     fn new(corners: &[DVec3; 3], normal: DVec3, passing: f64) -> Self {
         let (&[a, b, c], across) = (corners, triangle::across(corners));
         let weights = [(c - a).cross(across), across.cross(b - a)].map(|w| w / across.length_squared());
-        Self { corners: *corners, normal, area: triangle::area(corners), weights, passing }
+        let rim = RIM * (weights[0].length() + weights[1].length());
+        Self { corners: *corners, normal, area: triangle::area(corners), weights, rim, passing }
     }
 
     /// The distance, perhaps negative, at which the line through a point in a direction meets it; none if it
@@ -180,8 +183,8 @@ impl Opening {
         let distance = self.normal.dot(from) / cosine;
         let at = from + distance * direction;
         let [u, v] = self.weights.map(|weight| weight.dot(at));
-        // By how much a direction that is off by so little moves the point.
-        let rim = RIM * (distance / cosine).abs() * (self.weights[0].length() + self.weights[1].length());
+        // A direction that is off by so little moves the point by so much.
+        let rim = self.rim * (distance / cosine).abs();
         (u >= -rim && v >= -rim && u + v <= 1.0 + rim).then_some(distance)
     }
 }
