@@ -209,6 +209,7 @@ impl Job<'_> {
         groups
     }
 
+    /// What receivers measure, as well as was asked for.
     fn receive(&self, solution: &Solution, light: &LightOptions) -> Result<Vec<Received<'_>>, Failure> {
         // Without interreflection receivers see lamps alone.
         let direct_only = self.scene().is_without(Feature::Interreflection);

@@ -36,9 +36,7 @@ impl<'t, 's> Cutter<'t, 's> {
         match options.size {
             PatchSize::Edge(metres) if metres.is_finite() && metres > 0.0 => {
                 let fineness = Fineness::even(metres / self.tracer.frame().scale());
-                let mut patches = Patches::cut(self.tracer, fineness, &mut self.parting, options)?;
-                patches.reach(self.tracer, options, reach::LOOK)?;
-                Ok(patches)
+                self.cut_as(fineness, options)
             }
             PatchSize::Count(count) if count > 0 => self.cut_into(count, options),
             size => Err(PatchError::Size(format!("{size:?}"))),
@@ -84,8 +82,12 @@ impl<'t, 's> Cutter<'t, 's> {
         options: &Tessellation,
     ) -> Result<Patches<'s>, PatchError> {
         options.progress.at("patch", 0.0)?;
-        let mut patches =
-            Patches::cut(self.tracer, known.fineness().scaled(factor), &mut self.parting, options)?;
+        self.cut_as(known.fineness().scaled(factor), options)
+    }
+
+    /// Cuts so finely, and finds the sides that light reaches.
+    fn cut_as(&mut self, fineness: Fineness, options: &Tessellation) -> Result<Patches<'s>, PatchError> {
+        let mut patches = Patches::cut(self.tracer, fineness, &mut self.parting, options)?;
         patches.reach(self.tracer, options, reach::LOOK)?;
         Ok(patches)
     }
