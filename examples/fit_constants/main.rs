@@ -100,10 +100,10 @@ fn value(rows: &[FaceRow], of: &FaceRow) -> Option<f64> {
 #[derive(Default)]
 struct Tally {
     mesh: Vec<f64>,
+    /// Per answer, its error over all faces as a part of the bound on it.
+    of_bound: Vec<f64>,
     /// The same of scenes with lights without area alone: with a sky, and without.
     noise_of_lights: [Vec<f64>; 2],
-    /// Per answer, how many times the told noise it is off, by the scatter that it tells.
-    off: Vec<f64>,
     /// Per face: the error squared, what bars hold beside their common part, and that part by its constant,
     /// squared.
     faces: Vec<[f64; 3]>,
@@ -119,7 +119,7 @@ fn judge(
     let answers: Vec<Answer> = (0..SEEDS).map(|seed| answer(scene, cut, seed)).collect::<Result<_, _>>()?;
     let [mut spread, mut shifted, mut light] = [0.0; 3];
     let (mut within, mut all, mut errors, mut bounds) = (0.0, 0.0, 0.0, 0.0);
-    let mut apart = vec![0.0; answers.len()];
+    let mut off = vec![0.0; answers.len()];
     for (row, known) in fine {
         let found: Option<Vec<[f64; 2]>> = answers
             .iter()
@@ -133,8 +133,8 @@ fn judge(
         light += row.area * truth * truth;
         spread += row.area * variance;
         shifted += row.area * ((mean - truth).powi(2) - variance / seeds - known * known);
-        for (answer, ([x, bar], apart)) in answers.iter().zip(found.into_iter().zip(&mut apart)) {
-            *apart += row.area * (x - mean).powi(2) * seeds / (seeds - 1.0);
+        for (answer, ([x, bar], off)) in answers.iter().zip(found.into_iter().zip(&mut off)) {
+            *off += row.area * (x - truth).powi(2);
             let (error, bar) = ((x - truth).powi(2), (bar * bar + known * known).sqrt());
             within += f64::from(u8::from(error <= (BOUND * bar).powi(2)));
             all += 1.0;
@@ -161,8 +161,8 @@ fn judge(
     if scene.sky().is_some() && scene.lights().next().is_none() {
         tally.noise_of_lights[0].push(ratios[0]);
     }
-    let off = answers.iter().zip(&apart);
-    tally.off.extend(off.map(|(answer, apart)| (apart / light).sqrt() / noise_of(&answer.budget)));
+    let off = answers.iter().zip(&off);
+    tally.of_bound.extend(off.map(|(answer, off)| (off / light).sqrt() / answer.budget.upper95));
     let percent = |x: f64, y: f64| format!("{:.3} ({:.3}) %", 100.0 * x, 100.0 * y);
     Ok(format!(
         "{:7} {:>16} {:6.2} {:>16} {:6.2} {:5.1} % {:6.2}",
@@ -191,9 +191,8 @@ impl Tally {
                 line(name, FITTED.evenness / middle(ratios), FITTED.evenness);
             }
         }
-        line("ALIKE", FITTED.alike * middle(&self.mesh), FITTED.alike);
+        println!("{:14} {:6.2} of what is told, in the middle", "mesh error", middle(&self.mesh));
         line("MESH_AT_MOST", quantile(&mut self.mesh), FITTED.mesh_at_most);
-        line("NOISE_AT_MOST", quantile(&mut self.off), FITTED.noise_at_most);
         // The least common part with which nineteen of twenty faces lie within their bars.
         let covered = |common: f64| {
             let is_within =
@@ -204,6 +203,13 @@ impl Tally {
         line("COMMON", common.unwrap_or(f64::INFINITY), FITTED.common);
         let in_use = covered(FITTED.common);
         println!("with what is in use {:.1} % of faces lie within their bars", 100.0 * in_use);
+        let exceeded = self.of_bound.iter().filter(|&&part| part > 1.0).count();
+        let squares: f64 = self.of_bound.iter().map(|part| part * part).sum();
+        println!(
+            "bounds on all faces are exceeded {exceeded} times in {}, and {:.2} times the error",
+            self.of_bound.len(),
+            (self.of_bound.len() as f64 / squares).sqrt()
+        );
         in_use
     }
 }

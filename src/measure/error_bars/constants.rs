@@ -10,25 +10,14 @@
 pub struct Fitted {
     /// How many times more than independent batches the parts of rays to lights without area differ.
     pub evenness: f64,
-    /// How much larger the mesh error of constant elements is than what errors would leave of the change by
-    /// merging that are not alike in sign.
-    pub alike: f64,
     /// How many times its estimate the mesh error does not exceed in nineteen of twenty cases.
     pub mesh_at_most: f64,
-    /// The same of noise, beside the scatter of its batches.
-    pub noise_at_most: f64,
     /// The part of the relative mesh error of the whole scene that every patch and face has.
     pub common: f64,
 }
 
 /// Those in use.
-pub const FITTED: Fitted = Fitted {
-    evenness: EVENNESS,
-    alike: ALIKE,
-    mesh_at_most: MESH_AT_MOST,
-    noise_at_most: NOISE_AT_MOST,
-    common: COMMON,
-};
+pub const FITTED: Fitted = Fitted { evenness: EVENNESS, mesh_at_most: MESH_AT_MOST, common: COMMON };
 
 /// Patches that are merged into one to tell the mesh error of constant elements; a number. Chosen: a face of
 /// five by five patches becomes one of three by three.
@@ -41,22 +30,17 @@ pub(super) const MERGED_LINEAR: f64 = 1.0;
 /// wider. A number, fitted with [`MESH_AT_MOST`].
 pub(super) const MERGED_ENOUGH: f64 = 3.0;
 
-/// How much larger the mesh error is than 1/√(1 + merged) of the change that merging makes, which is what
-/// errors leave that fall with the edge and are not alike in sign; a pure number. Measured: errors on the two
-/// cuts are more alike than chance would have it.
-pub(super) const ALIKE: f64 = 1.23;
-
 /// Mesh error of linear elements as a part of their difference from constant ones; a pure number. Chosen,
 /// not fitted, as far as the history tells: they err about a third as much.
 pub(super) const REMAINS_LINEAR: f64 = 0.4;
 
 /// How many times its estimate the mesh error does not exceed in nineteen of twenty cases, of constant
 /// elements and of linear ones; pure numbers. Fitted to rooms that no test looks at.
-pub(super) const MESH_AT_MOST: f64 = 1.4;
+pub(super) const MESH_AT_MOST: f64 = 1.8;
 pub(super) const MESH_AT_MOST_LINEAR: f64 = 1.6;
 
-/// How many times wider that bound is where lamps shine by way of curved specular surfaces; a pure number.
-/// Measured with other glass than tests have: light is gathered in spots smaller than patches.
+/// How many times larger the mesh error is where lamps shine by way of curved specular surfaces; a pure
+/// number. Measured with other glass than tests have: light is gathered in spots smaller than patches.
 pub(super) const FOCUSED: f64 = 2.0;
 
 /// Specular surfaces whose normals are more than these are curved; a number. Chosen: a box of mirrors has
@@ -71,16 +55,9 @@ pub(super) const NORMAL_STEPS: f64 = 60.0;
 /// known better.
 pub(super) const CHANGE_TOLERANCE: f64 = 0.01;
 
-/// The part of the noise that shows in the change that merging makes; a pure number. Measured.
-pub(super) const NOISE_IN_CHANGE: f64 = 0.25;
-
-/// The part of that change, squared, that is taken for mesh error however much noise there is; a pure number.
-/// Chosen, not fitted.
-pub(super) const LEAST_OF_CHANGE: f64 = 0.25;
-
 /// The part of the relative mesh error of the whole scene that every patch and face has, since its own may
-/// vanish by chance; a pure number. Chosen, not fitted, as far as the history tells.
-pub(super) const COMMON: f64 = 0.7;
+/// vanish by chance; a pure number. Fitted: more of it widens bars on large faces and helps few others.
+pub(super) const COMMON: f64 = 0.3;
 
 /// About how many clusters of patches the noise that is reflected on is solved for, and the fewest patches in
 /// one; numbers. Chosen: what is reflected varies slowly.
@@ -103,6 +80,13 @@ pub(super) const NOISE_AT_MOST_LINEAR: f64 = 6.0;
 /// Mathematics, rounded; form factors between groups use the same quantile with more digits. Each keeps its
 /// own, since bounds that are written out would differ in the fourth digit.
 pub(super) const STUDENT: f64 = 1.895;
+
+/// How many times wider than one standard deviation by so few batches a bar is for 1.96 of it to hold in 95
+/// cases of 100: two-sided Student's t for 7 and for 15 degrees of freedom, over the normal quantile; pure
+/// numbers. Mathematics, rounded. The first is of patches' rays and light, in 8 batches, the second of
+/// receivers' own rays, in 16.
+pub(super) const EIGHT_BATCHES: f64 = 2.365 / 1.960;
+pub(super) const SIXTEEN_BATCHES: f64 = 2.131 / 1.960;
 
 /// The relative rounding of stored exchange areas; a pure number, by their format.
 pub(super) const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;

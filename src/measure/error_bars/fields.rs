@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use super::constants::EIGHT_BATCHES;
 use super::mesh::{Insight, Known, MeshError, mesh_error, unresolved};
 use super::noise::{self, Noise};
 use super::slack;
@@ -20,7 +21,7 @@ pub(super) struct Fields {
     pub rays: Vec<DMatrix<f64>>,
     /// That of light sampling.
     pub lamps: Vec<DMatrix<f64>>,
-    /// What merging patches changes.
+    /// What merging patches changes, as far as that is left as error.
     pub merging: DMatrix<f64>,
     /// What light that varies within patches near lamps changes, as either half of the rays has it.
     pub variation: [DMatrix<f64>; 2],
@@ -50,8 +51,9 @@ impl Fields {
         let Noise { rays, lamps } = Noise::of(patches, factors, by_patch, sources, &arriving)?;
         progress.at("solve", 0.5)?;
         let known = Known { radiance: &radiance, irradiance: &irradiance, order };
-        let MeshError { by_merging: merging, by_variation: variation, insight } =
+        let MeshError { by_merging, by_variation: variation, insight } =
             mesh_error(patches, [factors, by_patch], sources, &known)?;
+        let merging = insight.remains(1.0) * by_merging;
         let unresolved = unresolved(patches, by_patch, &arriving);
         let missing = slack::missing(patches, by_patch, [&radiance, &irradiance])?;
         Ok((Self { rays, lamps, merging, variation, unresolved, missing }, insight))
@@ -70,18 +72,24 @@ impl Fields {
         }
     }
 
+    /// The same where row k is a mean over patches of which merging changes so many times less.
+    pub fn averaged(mut self, less: impl Fn(usize) -> f64) -> Self {
+        self.merging.row_iter_mut().enumerate().for_each(|(k, mut row)| row /= less(k));
+        self
+    }
+
     /// The square of the error of a linear function of irradiance, as far as these tell it.
     pub fn squared(&self, of: impl Fn(&DMatrix<f64>) -> f64) -> f64 {
         let noise = variance_of_mean(&self.rays, &of) + variance_of_mean(&self.lamps, &of);
         let [a, b] = self.variation.each_ref().map(&of);
         let missing = self.missing.as_ref().map_or(0.0, &of);
         let mesh = of(&self.merging).powi(2) + (a * b).max(0.0) + of(&self.unresolved).powi(2);
-        noise + mesh + missing * missing
+        EIGHT_BATCHES.powi(2) * noise + mesh + missing * missing
     }
 
-    /// The variance of one value, by noise.
-    pub fn variance(&self, at: (usize, usize)) -> f64 {
-        noise::variance(&self.rays, at) + noise::variance(&self.lamps, at)
+    /// The square of the error of one value by noise.
+    pub fn noise_squared(&self, at: (usize, usize)) -> f64 {
+        EIGHT_BATCHES.powi(2) * (noise::variance(&self.rays, at) + noise::variance(&self.lamps, at))
     }
 
     /// The square of what variation changes in one value, told from two halves that share no noise; it may

@@ -2,8 +2,9 @@
 //!
 //! Some five patches at a time are merged, and the scene is solved with what the larger patches exchange: no
 //! new rays, and the noise of those that there are is in both answers. Where error falls in proportion to the
-//! edge, and errors on the two cuts are not alike in sign, as along the edges of shadows, the change is √5
-//! times the error that is left; where they are alike, as around corners, no more than twice.
+//! edge it is √5 times as large on the larger patches; and where errors of patches are not alike in sign, as
+//! along the edges of shadows, a mean over some of them takes more from many small ones than from few large
+//! ones, so that it is 5 times as large over faces of more patches than are merged.
 //!
 //! Near lamps light varies within patches more than merging them shows. What is known of it there tells what
 //! it changes elsewhere.
@@ -15,7 +16,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::constants::{
-    ALIKE, CHANGE_TOLERANCE, FLAT_NORMALS, FOCUSED, MERGED, MERGED_ENOUGH, MERGED_LINEAR, MESH_AT_MOST,
+    CHANGE_TOLERANCE, FLAT_NORMALS, FOCUSED, MERGED, MERGED_ENOUGH, MERGED_LINEAR, MESH_AT_MOST,
     MESH_AT_MOST_LINEAR, NORMAL_STEPS, REMAINS_LINEAR,
 };
 use crate::measure::MeasureError;
@@ -33,16 +34,6 @@ fn together(basis: Basis) -> f64 {
     }
 }
 
-/// What is left as error of the change that elements coarser by so many patches each make, as a root mean
-/// square over faces. Errors of constant elements in proportion to the edge that are not alike in sign leave
-/// 1/√(1 + merged) of it; alike, up to 1.
-fn remains(basis: Basis, merged: f64) -> f64 {
-    match basis {
-        Basis::Constant => ALIKE / (1.0 + merged).sqrt(),
-        Basis::Linear => REMAINS_LINEAR,
-    }
-}
-
 /// How much merging could tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::measure) struct Insight {
@@ -54,23 +45,34 @@ pub(in crate::measure) struct Insight {
 }
 
 impl Insight {
-    /// How many times more than estimated the mesh error may be, in nineteen of twenty cases. Where faces are
-    /// cut but little, few patches can be merged, and little is told of the rest; where lamps shine by way of
-    /// curved glass or mirrors, they light spots smaller than patches, and most what they find again by the
-    /// same way.
-    pub fn at_most(&self) -> f64 {
+    /// What is left as error of the change by merging, in a mean over so many patches. Errors of constant
+    /// elements in proportion to the edge that are not alike in sign are √m times as large on patches merged
+    /// from m, and of n such patches there are only n/m to take the mean of, if more than one.
+    ///
+    /// Where lamps shine by way of curved glass or mirrors, they light spots smaller than patches, and most
+    /// what they find again by the same way: more is left.
+    pub fn remains(&self, patches: f64) -> f64 {
         let usually = match self.basis {
-            Basis::Constant => MESH_AT_MOST * (MERGED_ENOUGH / self.merged).max(1.0),
-            Basis::Linear => MESH_AT_MOST_LINEAR,
+            Basis::Constant => 1.0 / (1.0 + self.merged * patches.min(self.merged)).sqrt(),
+            Basis::Linear => REMAINS_LINEAR,
         };
         if self.is_focused { FOCUSED * usually } else { usually }
+    }
+
+    /// How many times more than estimated the mesh error may be, in nineteen of twenty cases. Where faces are
+    /// cut but little, few patches can be merged, and little is told of the rest.
+    pub fn at_most(&self) -> f64 {
+        match self.basis {
+            Basis::Constant => MESH_AT_MOST * (MERGED_ENOUGH / self.merged).max(1.0),
+            Basis::Linear => MESH_AT_MOST_LINEAR,
+        }
     }
 }
 
 /// What is known of the mesh error.
 pub(super) struct MeshError {
-    /// How far irradiance per patch (n × c, W·m⁻²) may be off, with the sign in which coarser elements change
-    /// it.
+    /// How much more irradiance patches have (n × c, W·m⁻²) than with coarser elements; an error of which
+    /// [`Insight::remains`] tells how much is left.
     pub by_merging: DMatrix<f64>,
     /// What light that varies within patches near lamps changes, as either half of the rays has it; nothing
     /// for linear elements.
@@ -120,8 +122,22 @@ pub(super) fn mesh_error(
     let merged = patches.len() as f64 / clusters.count as f64;
     let insight =
         Insight { basis, merged, is_focused: factors.has_caustics() && has_curved_carriers(patches) };
-    let by_merging = patches.spread_over(&clusters, &(remains(basis, merged) * change));
+    let mut by_merging = patches.spread_over(&clusters, &change);
+    if order != Some(0) {
+        by_merging +=
+            within(patches, &clusters, &Transport::new(by_patch, Reflection::of(patches))?, radiance);
+    }
     Ok(MeshError { by_merging, by_variation, insight })
+}
+
+/// How much more irradiance patches (n × c, W·m⁻²) have here than if each cluster sent out constant light, as
+/// far as that differs within a cluster: on faces smaller than clusters what their clusters have as a whole
+/// tells little.
+fn within(patches: &Patches, clusters: &Clusters, k: &Transport, radiance: &DMatrix<f64>) -> DMatrix<f64> {
+    let smooth = |field: &DMatrix<f64>| patches.spread_over(clusters, &patches.average_by(clusters, field));
+    let more = k.irradiance(&(radiance - smooth(radiance)));
+    let common = smooth(&more);
+    more - common
 }
 
 /// What light that varies within patches near lamps changes, all reflections of it included.

@@ -139,7 +139,11 @@ impl ErrorBars {
         let (by_patch, insight) = Fields::of(patches, problem, solution, progress)?;
         let irradiance = problem.basis().means(&solution.irradiance);
         let faces = Faces::new(patches, &irradiance);
-        let by_face = by_patch.map(|field| faces.means(field));
+        let less = |count: f64| insight.remains(1.0) / insight.remains(count);
+        let by_face = by_patch.map(|field| faces.means(field)).averaged(|f| {
+            let row = &faces.irradiance[f];
+            less(patches.patches_of(row.face, row.side).len() as f64)
+        });
         let sizes = Sizes::of(&faces, &by_face, patches, &solution.report);
         let budget = sizes.budget(problem, &solution.report, insight);
         let mut groups = by_group(patches, &faces, &by_face, |faces, fields| {
@@ -158,7 +162,9 @@ impl ErrorBars {
                 let sent = problem.basis().coefficients_of(&(part * reflection.reflect(change)));
                 received.rows.from_surfaces(&sent)
             };
-            ReceiverBars::new(received, by_patch.map(arriving), sizes.common())
+            // Receivers see means over many patches.
+            let sent = by_patch.map(arriving).averaged(|_| less(f64::INFINITY));
+            ReceiverBars::new(received, sent, sizes.common())
         };
         let bars_of_receivers: Vec<ReceiverBars> = receivers.iter().map(of_receiver).collect();
         groups.extend(receivers.iter().zip(&bars_of_receivers).map(|(received, bars)| {

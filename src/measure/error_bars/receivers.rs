@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::constants::SIXTEEN_BATCHES;
 use super::faces::Faces;
 use super::fields::Fields;
 use super::sizes::Sizes;
@@ -48,6 +49,6 @@ impl ReceiverBars {
     /// One standard error of a linear function of the points' irradiance (m × c), in its unit.
     pub fn standard_error(&self, of: impl Fn(&DMatrix<f64>) -> f64) -> f64 {
         let common = self.common * of(&self.irradiance);
-        (self.own.variance(&of) + self.sent.squared(&of) + common * common).sqrt()
+        (SIXTEEN_BATCHES.powi(2) * self.own.variance(&of) + self.sent.squared(&of) + common * common).sqrt()
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::constants::{COMMON, LEAST_OF_CHANGE, NOISE_IN_CHANGE, ROUNDING, STUDENT};
+use super::constants::{COMMON, ROUNDING, STUDENT};
 use super::faces::Faces;
 use super::fields::Fields;
 use super::mesh::Insight;
@@ -34,17 +34,14 @@ impl Sizes {
     pub fn of(faces: &Faces, fields: &Fields, patches: &Patches, report: &Report) -> Self {
         let noise = |batches: &[DMatrix<f64>]| faces.relative(|f, c| noise::variance(batches, (f, c)));
         let (rays, lamps) = (noise(&fields.rays), noise(&fields.lamps));
-        // Some of the noise is in the change that merging makes.
-        let change = faces.relative(|f, c| fields.merging[(f, c)].powi(2));
-        let less = change.powi(2) - (NOISE_IN_CHANGE * rays.hypot(lamps)).powi(2);
-        let by_merging = less.max(LEAST_OF_CHANGE * change.powi(2)).sqrt();
         // The two are independent, however alike they are in one batch or another.
         let squares = faces.squares(&fields.rays).into_iter().zip(faces.squares(&fields.lamps));
         let squares: Vec<f64> = squares.map(|(a, b)| a + b).collect();
         let left_out = left_out(patches, &report.missing);
         let is_short = fields.missing.is_some();
         Self {
-            mesh: by_merging
+            mesh: faces
+                .relative(|f, c| fields.merging[(f, c)].powi(2))
                 .hypot(faces.relative(|f, c| fields.varied_squared((f, c))))
                 .hypot(faces.relative(|f, c| fields.unresolved[(f, c)].powi(2))),
             rays,
@@ -98,7 +95,7 @@ impl Sizes {
     /// on it, some of what all have, what it may miss, and what is left out.
     pub fn bar(&self, h: f64, fields: &Fields, at: (usize, usize)) -> f64 {
         let left_out = if self.is_truncated { self.left_out[at.1] } else { 0.0 };
-        let variance = fields.variance(at) + fields.missing_squared(at);
+        let variance = fields.noise_squared(at) + fields.missing_squared(at);
         (variance + fields.mesh_squared(at) + (self.common() * h).powi(2) + left_out.powi(2)).sqrt()
     }
 }

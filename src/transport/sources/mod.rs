@@ -70,7 +70,8 @@ pub struct Sources {
     /// Irradiance H₀ by lights without area and the sky, W·m⁻²; none where a scene has none.
     pub direct: Option<DMatrix<f64>>,
     /// By how much more H₀ each eighth of the rays towards lights would have found by itself: eight samples
-    /// of its noise, N × c, W·m⁻²; none where there are no such lights.
+    /// of its noise, N × c, W·m⁻². Those of the sky are made smaller, since they lie more evenly together than
+    /// those of other lights. None where there are no such lights.
     pub spread: Vec<DMatrix<f64>>,
     /// What of H₀ comes by way of mirrors, metals and glass; none where a scene has none of these, or no such
     /// lights.
@@ -166,6 +167,10 @@ pub(super) const PARTS: usize = BATCHES as usize;
 /// Rays of the options for each one from a patch to a light; a number. Chosen, not fitted.
 pub(in crate::transport) const RAYS_PER_LIGHT_RAY: u32 = 4;
 
+/// How many times more evenly than those of other lights the parts of rays into the sky lie together; a pure
+/// number. Fitted to noise in rooms with windows and in yards, by `examples/fit_constants`.
+const EVENNESS_OF_SKY: f64 = 2.0;
+
 /// What rays towards one light find in one channel, part by part.
 #[derive(Clone)]
 struct Parts<const N: usize> {
@@ -187,12 +192,12 @@ impl<const N: usize> Parts<N> {
         self.seen[part].iter_mut().zip(phi).for_each(|(sum, phi)| *sum += weight * phi);
     }
 
-    /// What all bring; then by how much more each part would bring in the place of all, where a part of more
-    /// weight is not taken for one that sees more.
-    fn sums(&self) -> [[f64; N]; 1 + PARTS] {
+    /// What all bring; then by how much more each part would bring in the place of all, over `evenness`. A
+    /// part of more weight is not taken for one that sees more.
+    fn sums(&self, evenness: f64) -> [[f64; N]; 1 + PARTS] {
         let all: [f64; N] = std::array::from_fn(|a| self.seen.iter().map(|seen| seen[a]).sum());
         let whole: f64 = self.whole.iter().sum();
-        let parts = PARTS as f64;
+        let parts = PARTS as f64 / evenness;
         let more = |part: usize, a: usize| {
             let share = if whole > 0.0 { self.whole[part] / whole } else { 0.0 };
             parts * (self.seen[part][a] - share * all[a])
@@ -296,9 +301,11 @@ impl LooksForLight for Look<'_> {
         let area = self.patches.normalised_areas()[patch];
         // What thin glass leaves of a ray, per channel.
         let mut left = vec![1.0; self.channels];
-        let mut add = |seen: &[Parts<N>], scale: f64, power: &[f64]| {
+        let mut add = |seen: &[Parts<N>], evenness: f64, scale: f64, power: &[f64]| {
             for (c, seen) in seen.iter().enumerate() {
-                for (row, sum) in moments.chunks_exact_mut(self.channels).zip(seen.sums().as_flattened()) {
+                for (row, sum) in
+                    moments.chunks_exact_mut(self.channels).zip(seen.sums(evenness).as_flattened())
+                {
                     row[c] += area * scale * sum * power[c];
                 }
             }
@@ -325,7 +332,7 @@ impl LooksForLight for Look<'_> {
                     1.0 / f64::from(rays)
                 }
             };
-            add(&seen, scale, self.lights.power(light));
+            add(&seen, 1.0, scale, self.lights.power(light));
         }
         let view = self.lights.sky_over(self.tracer, &facet.corners, facet.normal);
         if let (Some(view), Some(sky)) = (view, self.lights.sky()) {
@@ -349,7 +356,7 @@ impl LooksForLight for Look<'_> {
                     }
                 }
             }
-            add(&seen, 1.0 / f64::from(rays), sky.zenith());
+            add(&seen, EVENNESS_OF_SKY, 1.0 / f64::from(rays), sky.zenith());
         }
     }
 }
