@@ -112,8 +112,8 @@ impl Energy {
         let unit = k.mass().unit();
         let channels = k.channels();
         let mut irradiance = k.irradiance(l);
-        if let Some(direct) = &sources.direct {
-            irradiance += direct;
+        if let Some(beside) = sources.beside_the_operator() {
+            irradiance += &*beside;
         }
         let area = k.mass().sums();
         let weigh = |value: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {

@@ -67,10 +67,11 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// The same with the irradiance H₀ by the lights of `sources`, whose right-hand side was solved for.
+    /// The same with the irradiance that `sources`, whose right-hand side was solved for, bring beside the
+    /// operator.
     fn under(mut self, sources: &Sources) -> Self {
-        if let Some(direct) = &sources.direct {
-            self.irradiance += direct;
+        if let Some(irradiance) = sources.beside_the_operator() {
+            self.irradiance += &*irradiance;
         }
         self
     }

@@ -75,6 +75,17 @@ impl Series {
 /// # Panics
 /// If `e` is not N × c.
 pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Result<Series, SolveError> {
+    neumann_from(k, e, DMatrix::zeros(k.len(), k.channels()), options)
+}
+
+/// The same where order 0 is E + R H/π of an irradiance H (N × c) that is no zero: a part of E that only
+/// order 1 brings is taken back by it.
+pub(super) fn neumann_from(
+    k: &Transport,
+    e: &DMatrix<f64>,
+    irradiance: DMatrix<f64>,
+    options: &NeumannOptions,
+) -> Result<Series, SolveError> {
     assert_eq!(e.shape(), (k.len(), k.channels()), "the right-hand side is N × c");
     check_finite(k, e)?;
     let amplification = Amplification::known_or_new(options.amplification, k, Progress::default())?;
@@ -88,9 +99,8 @@ pub fn neumann(k: &Transport, e: &DMatrix<f64>, options: &NeumannOptions) -> Res
     let flux = |l: &DMatrix<f64>| {
         l.column_iter().map(|column| PI * mass.sums().dot(&column) * mass.unit()).collect()
     };
-    // Order 0 has no irradiance by definition.
-    let mut answer = Answer::new(k, e, DMatrix::zeros(k.len(), k.channels()));
-    let mut added = e.clone();
+    let mut answer = Answer::new(k, e, irradiance);
+    let mut added = e + &answer.reflected;
     let mut bounces: Vec<Bounce> = Vec::new();
     let mut at_start = None;
     let mut step_before: Option<DMatrix<f64>> = None;

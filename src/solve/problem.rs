@@ -6,9 +6,10 @@
 
 use nalgebra::DMatrix;
 
+use super::neumann::neumann_from;
 use super::{
     CgOptions, DirectOptions, NeumannOptions, Series, Solution, SolveError, SolveOptions, bounces,
-    conjugate_gradients, direct, neumann, solve_all,
+    conjugate_gradients, direct, solve_all,
 };
 use crate::patches::{Basis, Patches};
 use crate::scene::Feature;
@@ -43,7 +44,7 @@ impl Problem {
         Ok(unlit.under(if tracer.scene().is_without(Feature::Interreflection) {
             sources.with_lamps(tracer, patches, basis, options)?
         } else {
-            sources
+            sources.with_bright_light(tracer, patches, &unlit.operator, options)?
         }))
     }
 
@@ -96,9 +97,18 @@ impl Problem {
         &self.sources
     }
 
-    /// E = Lₑ + ρH₀/π, N × c, W·sr⁻¹·m⁻².
+    /// E = Lₑ + ρH₀/π, and what [bright patches](crate::transport::BrightLight) bring beside the operator of
+    /// order 1, N × c, W·sr⁻¹·m⁻².
     pub fn right_hand_side(&self) -> &DMatrix<f64> {
         &self.right_hand_side
+    }
+
+    /// What starts, order 0 of the series: E without what only order 1 brings, N × c, W·sr⁻¹·m⁻².
+    pub fn order_0(&self) -> DMatrix<f64> {
+        match &self.sources.bright {
+            Some(bright) => &self.right_hand_side - self.operator.reflect(&bright.correction),
+            None => self.right_hand_side.clone(),
+        }
     }
 
     /// How light varies over a patch.
@@ -158,7 +168,13 @@ impl Problem {
 
     /// The first terms of the series by themselves: E, KE, … up to bounce `last`, N × c each.
     pub fn bounces(&self, last: usize) -> Vec<DMatrix<f64>> {
-        bounces(&self.operator, &self.right_hand_side, last)
+        let k = &self.operator;
+        let (Some(bright), 1..) = (&self.sources.bright, last) else {
+            return bounces(k, &self.order_0(), last);
+        };
+        let first = self.order_0();
+        let second = k.reflect(&(k.irradiance(&first) + &bright.correction));
+        std::iter::once(first).chain(bounces(k, &second, last - 1)).collect()
     }
 
     /// Sums the Neumann series until it fulfils the [rule](super#tolerance) or reaches its highest order.
@@ -166,7 +182,13 @@ impl Problem {
     /// # Errors
     /// `NotFinite` or `Cancelled`.
     pub fn neumann(&self, options: &NeumannOptions) -> Result<Series, SolveError> {
-        let Series { solution, bounces } = neumann(&self.operator, &self.right_hand_side, options)?;
+        let (k, e) = (&self.operator, &self.right_hand_side);
+        // What bright patches bring beside the operator has not arrived at order 0.
+        let at_order_0 = match &self.sources.bright {
+            Some(bright) => -&bright.correction,
+            None => DMatrix::zeros(k.len(), k.channels()),
+        };
+        let Series { solution, bounces } = neumann_from(k, e, at_order_0, options)?;
         Ok(Series { solution: solution.under(&self.sources), bounces })
     }
 }

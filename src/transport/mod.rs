@@ -30,7 +30,7 @@ pub use reflection::Reflection;
 pub(crate) use rows::BATCHES;
 pub use rows::Shots;
 pub(crate) use sources::LampFlux;
-pub use sources::{CarriedLight, LightOptions, Received, ReceiverNoise, ReceiverRows, Sources};
+pub use sources::{BrightLight, CarriedLight, LightOptions, Received, ReceiverNoise, ReceiverRows, Sources};
 pub(crate) use symmetric_system::{SymmetricSystem, solve_symmetric};
 
 use crate::patches::PatchError;

@@ -1,5 +1,6 @@
 //! What the crate and its program promise, seen from outside: a map of behaviours.
 
+mod bright_light; // what a small spot of light sends on
 mod carried_light; // lights without area and skies by way of mirrors, metals and glass
 mod carriers; // mirrors and glass: closed forms, another renderer, bad input, pictures, saved form factors
 mod coincident; // faces in one plane: one order, the same answer as a hair apart

@@ -104,6 +104,8 @@ impl OrderRow {
 struct Irradiances<'k> {
     k: &'k Transport,
     amplification: &'k Amplification,
+    /// What order 1 brings beside the operator, until it does.
+    of_order_1: Option<&'k DMatrix<f64>>,
     /// KᵏE.
     term: DMatrix<f64>,
     /// H_k.
@@ -115,14 +117,17 @@ struct Irradiances<'k> {
 
 impl<'k> Irradiances<'k> {
     fn new(problem: &'k Problem, amplification: &'k Amplification) -> Self {
-        let (k, term) = (problem.operator(), problem.right_hand_side().clone());
-        let sum =
-            problem.sources().direct.clone().unwrap_or_else(|| DMatrix::zeros(term.nrows(), term.ncols()));
-        Self { k, amplification, term, sum, last: None, before: None }
+        let (k, sources, term) = (problem.operator(), problem.sources(), problem.order_0());
+        let sum = sources.direct.clone().unwrap_or_else(|| DMatrix::zeros(term.nrows(), term.ncols()));
+        let of_order_1 = sources.bright.as_ref().map(|bright| &bright.correction);
+        Self { k, amplification, of_order_1, term, sum, last: None, before: None }
     }
 
     fn advance(&mut self) {
-        let h = self.k.irradiance(&self.term);
+        let mut h = self.k.irradiance(&self.term);
+        if let Some(correction) = self.of_order_1.take() {
+            h += correction;
+        }
         self.term = self.k.reflect(&h);
         self.sum += &h;
         self.before = self.last.replace(h);

@@ -107,6 +107,7 @@ pub(super) fn mesh_error(
     let coarse = Sources {
         emitted: by_cluster(&sources.emitted),
         direct: sources.direct.as_ref().map(by_cluster),
+        bright: sources.bright.as_ref().map(|bright| bright.map(by_cluster)),
         spread: Vec::new(),
         carried: None,
         lamps: None,
@@ -207,13 +208,17 @@ fn changed_by(
             k.irradiance(&(known + roughly(k, &lacking, CHANGE_TOLERANCE, Progress::default())?))
         }
         Some(order) => {
-            let nothing = DMatrix::zeros(k.len(), k.channels());
-            (0..order).fold(nothing, |irradiance, _| k.irradiance(&(&e + k.reflect(&irradiance))))
+            // What bright patches bring beside the operator has not arrived at order 0.
+            let start = match &sources.bright {
+                Some(bright) => -&bright.correction,
+                None => DMatrix::zeros(k.len(), k.channels()),
+            };
+            (0..order).fold(start, |irradiance, _| k.irradiance(&(&e + k.reflect(&irradiance))))
         }
     };
     let here = mean(irradiance);
-    Ok(match &sources.direct {
-        Some(direct) => here - direct - on_clusters,
+    Ok(match sources.beside_the_operator() {
+        Some(beside) => here - &*beside - on_clusters,
         None => here - on_clusters,
     })
 }

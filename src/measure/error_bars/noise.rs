@@ -36,6 +36,11 @@ impl Noise {
         let clusters = patches.clusters((patches.len() as f64 / CLUSTERS).max(FEWEST_PER_CLUSTER), None);
         let merged = by_patch.merged(&clusters.of_patch, clusters.count);
         let coarse = Merged { clusters: &clusters, factors: &merged };
+        // What bright patches send is no matter of rows.
+        let radiance = match &sources.bright {
+            Some(bright) if radiance.amax() > 0.0 => &(radiance - factors.basis().means(&bright.radiance)),
+            _ => radiance,
+        };
         let mut spread = factors.spread(patches, radiance, by_patch, coarse)?;
         for (lamps, lights) in spread.lamps.iter_mut().zip(&sources.spread) {
             *lamps += factors.basis().means(lights) / EVENNESS;

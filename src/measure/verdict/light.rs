@@ -95,8 +95,8 @@ impl Residual {
         let Answer { problem, solution, .. } = *answer;
         let (operator, sources) = (problem.operator(), problem.sources());
         let mut irradiance = operator.irradiance(&solution.radiance);
-        if let Some(direct) = &sources.direct {
-            irradiance += direct;
+        if let Some(beside) = sources.beside_the_operator() {
+            irradiance += &*beside;
         }
         let radiance = &sources.emitted + operator.reflect(&irradiance) - &solution.radiance;
         let share = places::power(answer, &radiance, PI, |_, _| true).share(&answer.energy.emitted);

@@ -65,6 +65,8 @@ pub struct LampView {
 /// A point on a lamp.
 #[derive(Clone, Copy, Debug)]
 pub struct LampPoint {
+    /// Which lamp, as they were given or in the order of faces.
+    pub lamp: usize,
     /// The face it lies on.
     pub face: u32,
     /// Where, normalised frame.
@@ -107,6 +109,21 @@ impl Lamps {
     /// Every face that emits, however dim or large, for where there are no rays to find the rest.
     pub fn all(tracer: &Tracer) -> Self {
         Self::of(tracer, emitting(tracer))
+    }
+
+    /// Parts of faces as lamps: per part its face and side, its corners and its radiance, averaged over
+    /// channels. They are drawn as lamps are, with corners wound as their side is seen; [`Lamps::contains`] and
+    /// [`Lamps::pdf`] know nothing of them.
+    pub fn of_parts(tracer: &Tracer, parts: impl Iterator<Item = ((usize, Side), [DVec3; 3], f64)>) -> Self {
+        let lamp = |((face, side), corners, brightness): ((usize, Side), [DVec3; 3], f64)| {
+            let [a, b, c] = corners;
+            let corners = if side == Side::Back { [a, c, b] } else { corners };
+            let (normal, area) = (tracer.normal(face, side), triangle::area(&corners));
+            LampFace { face: face as u32, corners, normal, area, brightness }
+        };
+        let faces: Vec<LampFace> = parts.map(lamp).collect();
+        let by_power = Discrete::new(faces.iter().map(|l| l.brightness * l.area)).normalised();
+        Self { faces, by_power, ..Self::none(tracer) }
     }
 
     fn of(tracer: &Tracer, faces: Vec<LampFace>) -> Self {
@@ -202,6 +219,7 @@ impl Lamps {
         let lamp = &self.faces[k];
         let barycentrics = uniform_triangle([fresh, v]);
         Some(LampPoint {
+            lamp: k,
             face: lamp.face,
             point: triangle::point(&lamp.corners, barycentrics),
             barycentrics,

@@ -101,6 +101,8 @@ streams! {
     SunThrough = 34,
     /// Rays by which faces are found to have nothing over or under them: the face; the side.
     Surroundings = 36,
+    /// Points on a patch and on bright patches: stretches by slot.
+    BrightLight = 37,
     /// Lines by which apertures are judged: the candidate; the side.
     Apertures = 32,
     /// What callers of this library draw for purposes of their own, tests among them: anything; anything.

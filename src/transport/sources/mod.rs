@@ -5,11 +5,14 @@
 //! nothing hides. Where the mean of the geometry alone is known, the rays only have to tell that share,
 //! weighted by what each would bring: so an unhidden point light is exact.
 
+mod bright_light;
 mod carried_light;
 mod direct_light;
 mod lamp_flux;
+mod pairs;
 mod receivers;
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use glam::DVec3;
@@ -24,6 +27,7 @@ use crate::progress::{Cancelled, Progress};
 use crate::scene::triangle;
 use crate::trace::sampling::Stream;
 use crate::trace::{Lights, Ray, SkyBeam, Through, Tracer, sampling};
+pub use bright_light::BrightLight;
 pub use carried_light::CarriedLight;
 use carried_light::Measured;
 pub(crate) use lamp_flux::LampFlux;
@@ -76,6 +80,9 @@ pub struct Sources {
     /// What of H₀ comes by way of mirrors, metals and glass; none where a scene has none of these, or no such
     /// lights.
     pub carried: Option<CarriedLight>,
+    /// What bright patches send straight to others, by points drawn on them; none where none are much brighter
+    /// than most.
+    pub bright: Option<BrightLight>,
     /// Where the light of lamps goes, if what arrives of it is a part of H₀; none where lamps are left to
     /// form factors.
     pub(crate) lamps: Option<LampFlux>,
@@ -108,8 +115,7 @@ impl Sources {
             mass.solve(&mut field, 1.0);
             field
         });
-        let mut sources =
-            Self { direct: fields.next(), spread: fields.collect(), carried: None, lamps: None, emitted };
+        let mut sources = Self { direct: fields.next(), spread: fields.collect(), ..emitted.into() };
         if let Some(Measured { light, more }) =
             CarriedLight::trace(tracer, patches, basis, &look.lights, options)?
         {
@@ -125,15 +131,37 @@ impl Sources {
         Self { emitted: 0.0 * &self.emitted, ..self.clone() }
     }
 
-    /// The right-hand side E = Lₑ + ρH₀/π, N × c.
+    /// The right-hand side E = Lₑ + ρH₀/π, N × c, to which what [bright patches](BrightLight) bring beside
+    /// the operator is added.
     ///
     /// # Panics
     /// If the operator is not of these coefficients.
     pub fn right_hand_side(&self, k: &Transport) -> DMatrix<f64> {
-        match &self.direct {
-            Some(direct) => &self.emitted + k.reflect(direct),
+        match self.beside_the_operator() {
+            Some(irradiance) => &self.emitted + k.reflect(&irradiance),
             None => self.emitted.clone(),
         }
+    }
+
+    /// The irradiance (N × c, W·m⁻²) that is no πFL: H₀, and what bright patches bring beside the operator;
+    /// none where there is none.
+    pub fn beside_the_operator(&self) -> Option<Cow<'_, DMatrix<f64>>> {
+        let direct = self.direct.as_ref()?;
+        Some(match &self.bright {
+            Some(bright) => Cow::Owned(direct + &bright.correction),
+            None => Cow::Borrowed(direct),
+        })
+    }
+
+    /// Adds the noise that parts of some light (N × c each) tell to that of the rest; the sum of them.
+    fn add_noise(&mut self, mut parts: Vec<DMatrix<f64>>) -> DMatrix<f64> {
+        let whole: DMatrix<f64> = parts.iter().sum();
+        parts.iter_mut().for_each(|part| *part = &*part * PARTS as f64 - &whole);
+        match self.spread.is_empty() {
+            true => self.spread = parts,
+            false => self.spread.iter_mut().zip(parts).for_each(|(all, part)| *all += part),
+        }
+        whole
     }
 
     /// The flux that starts, per channel, W: π Σ A Lₑ, Σ A H₀ by lights without area, and what carriers kept
@@ -156,7 +184,7 @@ impl Sources {
 impl From<DMatrix<f64>> for Sources {
     /// Emitted radiance (N × c) alone.
     fn from(emitted: DMatrix<f64>) -> Self {
-        Self { emitted, direct: None, spread: Vec::new(), carried: None, lamps: None }
+        Self { emitted, direct: None, spread: Vec::new(), carried: None, bright: None, lamps: None }
     }
 }
 
