@@ -112,9 +112,7 @@ impl Energy {
         let unit = k.mass().unit();
         let channels = k.channels();
         let mut irradiance = k.irradiance(l);
-        if let Some(beside) = sources.beside_the_operator() {
-            irradiance += &*beside;
-        }
+        sources.add_beside_the_operator(&mut irradiance);
         let area = k.mass().sums();
         let weigh = |value: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
             (0..channels).map(|c| unit * (0..k.len()).map(|i| value(i, c)).sum::<f64>()).collect()

@@ -70,9 +70,7 @@ impl Solution {
     /// The same with the irradiance that `sources`, whose right-hand side was solved for, bring beside the
     /// operator.
     fn under(mut self, sources: &Sources) -> Self {
-        if let Some(irradiance) = sources.beside_the_operator() {
-            self.irradiance += &*irradiance;
-        }
+        sources.add_beside_the_operator(&mut self.irradiance);
         self
     }
 

@@ -30,7 +30,7 @@ use apertures::Apertures;
 pub use apertures::Through;
 use bvh::Bvh;
 pub use convex::{Enclosure, NotConvex};
-pub(crate) use emitters::Arrival;
+pub(crate) use emitters::{Arrival, NarrowCone};
 pub use emitters::{
     Beam, LampPoint, LampView, Lamps, Lights, Shot, SkyBeam, SkySampler, SkyShot, SkyView, Targets,
 };

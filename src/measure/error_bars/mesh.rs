@@ -216,9 +216,7 @@ fn changed_by(
             (0..order).fold(start, |irradiance, _| k.irradiance(&(&e + k.reflect(&irradiance))))
         }
     };
-    let here = mean(irradiance);
-    Ok(match sources.beside_the_operator() {
-        Some(beside) => here - &*beside - on_clusters,
-        None => here - on_clusters,
-    })
+    let mut there = on_clusters;
+    sources.add_beside_the_operator(&mut there);
+    Ok(mean(irradiance) - there)
 }

@@ -95,9 +95,7 @@ impl Residual {
         let Answer { problem, solution, .. } = *answer;
         let (operator, sources) = (problem.operator(), problem.sources());
         let mut irradiance = operator.irradiance(&solution.radiance);
-        if let Some(beside) = sources.beside_the_operator() {
-            irradiance += &*beside;
-        }
+        sources.add_beside_the_operator(&mut irradiance);
         let radiance = &sources.emitted + operator.reflect(&irradiance) - &solution.radiance;
         let share = places::power(answer, &radiance, PI, |_, _| true).share(&answer.energy.emitted);
         Self { irradiance, radiance, share }

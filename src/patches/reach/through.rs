@@ -1,21 +1,24 @@
-//! Through: which slots sun and sky reach through apertures, and from outside of the scene: what rays of
-//! their own find.
+//! Through: which slots sun and sky reach through apertures, and from outside of the scene, and which those
+//! lights reach that have a place: what rays of their own find.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::patches::Patches;
-use crate::trace::sampling::{SEQUENCE_END, Stream, uniform_disc};
+use crate::trace::sampling::{SEQUENCE_END, Stream, uniform_cone, uniform_disc};
 use crate::trace::{Destination, Lights, OUTSIDE, Ray, Tint, Tracer};
 
 /// Rays through each triangle of an aperture, from each sun and from the sky; a number. Chosen, not fitted.
 const RAYS: u32 = 1024;
 
+/// Rays from each light that has a place, a number. Chosen, not fitted: a narrow spot is wholly filled.
+const FROM_A_PLACE: u32 = 4096;
+
 /// Rays from each sun and from the sky on all of the scene; a number. Chosen, not fitted.
 const FROM_OUTSIDE: u32 = SEQUENCE_END;
 
 impl Patches<'_> {
-    /// Marks the slots that rays of suns and of the sky land on.
+    /// Marks the slots that rays of lights and of the sky land on.
     pub(crate) fn shine_through(&self, tracer: &Tracer, lights: &Lights, seed: u64, lit: &mut [bool]) {
         let apertures = tracer.apertures();
         let landing = |ray: Ray, numbers: &dyn Fn(u32) -> [f64; 4]| {
@@ -31,6 +34,18 @@ impl Patches<'_> {
             let landings: Vec<u32> = (0..count).into_par_iter().filter_map(found).collect();
             landings.into_iter().for_each(|slot| lit[slot as usize] = true);
         };
+        for (light, source) in self.scene.lights().enumerate() {
+            let Some(position) = source.position() else { continue };
+            let (origin, (axis, angle)) = (tracer.frame().from_world(position), source.cone());
+            let sequence = Stream::PlacedRays.sequence(seed, light as u32, 0);
+            land(FROM_A_PLACE, &|k| {
+                let [u, v, ..] = sequence.point(k);
+                let direction = uniform_cone(axis, angle, [u, v]);
+                let ray = Ray { origin, direction, from: Ray::FREE };
+                let numbers = |k2: u32| sequence.dimensions(k, k2 + 1);
+                (source.share_towards(direction) > 0.0).then(|| landing(ray, &numbers)).flatten()
+            });
+        }
         let senders = (0..lights.len()).filter(|&light| lights.is_sun(light)).map(Some);
         let senders = senders.chain(lights.sky().map(|_| None));
         for (number, sun) in senders.enumerate() {

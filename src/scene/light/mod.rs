@@ -125,6 +125,14 @@ impl Light {
         Some(self.power().iter().map(|intensity| intensity * directions).collect())
     }
 
+    /// Into which directions it shines: a cone's axis and solid angle, sr; all directions but of spots.
+    pub(crate) fn cone(&self) -> (DVec3, f64) {
+        match *self {
+            Light::Spot { direction, cone, .. } => (direction, TAU * (1.0 - cone.to_radians().cos())),
+            _ => (DVec3::Y, SPHERE),
+        }
+    }
+
     /// Whether any light comes from it.
     pub fn shines(&self) -> bool {
         self.power().iter().any(|&x| x > 0.0)

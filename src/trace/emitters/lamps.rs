@@ -112,8 +112,8 @@ impl Lamps {
     }
 
     /// Parts of faces as lamps: per part its face and side, its corners and its radiance, averaged over
-    /// channels. They are drawn as lamps are, with corners wound as their side is seen; [`Lamps::contains`] and
-    /// [`Lamps::pdf`] know nothing of them.
+    /// channels. They are drawn as lamps are, with corners wound as their side is seen; [`Lamps::contains`]
+    /// and [`Lamps::pdf`] know nothing of them.
     pub fn of_parts(tracer: &Tracer, parts: impl Iterator<Item = ((usize, Side), [DVec3; 3], f64)>) -> Self {
         let lamp = |((face, side), corners, brightness): ((usize, Side), [DVec3; 3], f64)| {
             let [a, b, c] = corners;

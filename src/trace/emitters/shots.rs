@@ -13,7 +13,7 @@ use glam::DVec3;
 use super::lights::{Lights, Place};
 use super::sky::{SkyBeam, SkySampler};
 use crate::scene::{FaceState, Light, Side, triangle};
-use crate::trace::sampling::{Discrete, frame_around, uniform_triangle};
+use crate::trace::sampling::{Discrete, uniform_cone, uniform_triangle};
 use crate::trace::solid_angle::{solid_angle, towards_triangle, triangle_pdf};
 use crate::trace::{Hit, OUTSIDE, Ray, RayHit, Tracer};
 
@@ -87,7 +87,7 @@ impl Targets {
                 // Draw a direction, from the cone or towards a face.
                 let (direction, drawn) = match aim.cone {
                     Some((axis, angle)) if choice < 0.5 => {
-                        (within_cone(axis, angle, [2.0 * choice, u]), None)
+                        (uniform_cone(axis, angle, [2.0 * choice, u]), None)
                     }
                     cone => {
                         if cone.is_some() {
@@ -191,7 +191,7 @@ impl Aim {
         };
         let chances = Discrete::new(faces.iter().map(weight)).normalised();
         let cone = match *source {
-            Light::Spot { direction, cone, .. } => Some((direction, TAU * (1.0 - cone.to_radians().cos()))),
+            Light::Spot { .. } => Some(source.cone()),
             _ => None,
         };
         Self { chances, cone }
@@ -210,13 +210,4 @@ fn from_outside(tracer: &Tracer, point: DVec3, direction: DVec3, face: u32) -> O
 #[inline]
 fn point(corners: &[DVec3; 3], square: [f64; 2]) -> DVec3 {
     triangle::point(corners, uniform_triangle(square))
-}
-
-/// A direction within a cone, uniform in its solid angle.
-#[inline]
-fn within_cone(axis: DVec3, angle: f64, [u, v]: [f64; 2]) -> DVec3 {
-    let height = 1.0 - u * angle / TAU;
-    let radius = (1.0 - height * height).max(0.0).sqrt();
-    let (sine, cosine) = (v * TAU).sin_cos();
-    frame_around(axis) * DVec3::new(radius * cosine, radius * sine, height)
 }

@@ -7,7 +7,7 @@
 mod discrete;
 mod streams;
 
-use std::f64::consts::{FRAC_1_PI, PI};
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::{DMat3, DVec3};
 
@@ -135,6 +135,15 @@ fn towards(from: DVec3, to: DVec3, cosine: f64) -> DVec3 {
 #[inline]
 pub fn uniform_disc(square: [f64; 2]) -> [f64; 2] {
     concentric(square).0
+}
+
+/// A direction within a cone of this axis and solid angle, uniform in solid angle.
+#[inline]
+pub fn uniform_cone(axis: DVec3, angle: f64, [u, v]: [f64; 2]) -> DVec3 {
+    let height = 1.0 - u * angle / TAU;
+    let radius = (1.0 - height * height).max(0.0).sqrt();
+    let (sine, cosine) = (v * TAU).sin_cos();
+    frame_around(axis) * DVec3::new(radius * cosine, radius * sine, height)
 }
 
 /// A direction over the plane z = 0 with density [`cosine_hemisphere_pdf`].

@@ -103,6 +103,10 @@ streams! {
     Surroundings = 36,
     /// Points on a patch and on bright patches: stretches by slot.
     BrightLight = 37,
+    /// Rays from lights with a place by which they are found to reach slots: the light.
+    PlacedRays = 38,
+    /// Directions from narrow spots to what they shine on: 0; the light.
+    Narrow = 39,
     /// Lines by which apertures are judged: the candidate; the side.
     Apertures = 32,
     /// What callers of this library draw for purposes of their own, tests among them: anything; anything.

@@ -1,11 +1,11 @@
 //! Bright light: what few patches on which much light falls send straight to others.
 //!
-//! Rays of rows find a sunlit spot seldom, and what it sends is noise: where many patches are bright, they send
-//! many rays by themselves, but not where few are. So what these reflect of the light without area is brought
-//! by points drawn on them, H_b = E\[π E_b V g/p\], as lamps are looked for, and the operator carries the
-//! rest: H = H₀ + H_b + πF(L − E_b). That is the operator's own answer and a correction, H_b − πF E_b, which is
-//! known before any solve and counts from order 1 on. H_b is scaled to deliver the flux that the operator
-//! delivers of E_b: the correction brings no power.
+//! Rays of rows find a sunlit spot seldom, and what it sends is noise: where many patches are bright, they
+//! send many rays by themselves, but not where few are. So what these reflect of the light without area is
+//! brought by points drawn on them, H_b = E\[π E_b V g/p\], as lamps are looked for, and the operator carries
+//! the rest: H = H₀ + H_b + πF(L − E_b). That is the operator's own answer and a correction, H_b − πF E_b,
+//! which is known before any solve and counts from order 1 on. H_b is scaled to deliver the flux that the
+//! operator delivers of E_b: the correction brings no power.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,6 +1,7 @@
 //! Lights without area and skies: closed forms, the path tracer, energy, and what their settings mean.
 
 mod closed_forms; // point lights, spots, suns and skies
+mod narrow; // spots of any width
 mod settings; // units, lengths, bad ones
 mod solutions; // what is reflected, energy, light paths, the same bits
 
