@@ -91,6 +91,13 @@ impl Scene {
         self.left_out.contains(&feature)
     }
 
+    /// Whether light may go from surface to surface: some emit, reflect or let it through, and
+    /// interreflection is not left out. Else nothing asks for form factors.
+    pub fn has_exchange(&self) -> bool {
+        let sends = |m: &Material| m.emits() || m.reflects() || m.transmittance().is_some();
+        !self.is_without(Feature::Interreflection) && self.materials.iter().any(sends)
+    }
+
     fn leave_out(&mut self, is: impl Fn(&Surface) -> bool) {
         for face in self.faces.iter_mut().filter(|face| face.state == FaceState::Kept) {
             if is(&self.materials[face.material as usize].surface) {

@@ -55,8 +55,7 @@ impl Problem {
     /// # Errors
     /// `Unsolvable`, as [`Problem::new`].
     pub fn unlit(patches: &Patches, factors: &FormFactors) -> Result<Self, TransportError> {
-        let interreflects = !patches.scene().is_without(Feature::Interreflection);
-        let none = (!interreflects).then(|| FormFactors::none(patches, factors.basis()));
+        let none = (!patches.scene().has_exchange()).then(|| FormFactors::none(patches, factors.basis()));
         let operator = Transport::of(none.as_ref().unwrap_or(factors), patches)?;
         let dark = DMatrix::zeros(operator.len(), operator.channels());
         Ok(Self::of(operator, dark))

@@ -241,3 +241,31 @@ fn what_cannot_be_switched_is_said() {
     assert_eq!(told.len(), 1, "{told:?}");
     assert!(told[0].contains("no mirror"), "{told:?}");
 }
+
+#[test]
+fn where_nothing_reflects_or_emits_form_factors_are_not_asked_for() {
+    let walls: Vec<_> = room([0.0; 3], [3.0; 3])[..5].iter().map(|&quad| (quad, 0)).collect();
+    let under_sky = |reflectance: f64, emission: f64| {
+        let material = Material::lamp("wall", &[reflectance], &[emission]);
+        lit_quads(&walls, vec![material], vec![], Some(crate::scenes::sky(SkyKind::Overcast, 1.0)))
+    };
+    assert!(under_sky(0.1, 0.0).has_exchange() && under_sky(0.0, 0.1).has_exchange());
+    assert!(!under_sky(0.1, 0.1).without(Feature::Interreflection).has_exchange());
+    let black = under_sky(0.0, 0.0);
+    assert!(!black.has_exchange());
+    // With and without rows the answer has the same bits, and its energy balances.
+    let tracer = Tracer::new(&black);
+    for basis in BASES {
+        let mut patches = cut_into(&tracer, 300);
+        let options = TraceOptions { basis, ..Default::default() };
+        let traced = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
+        let answer = |factors: &FormFactors| {
+            let problem = Problem::new(&tracer, &patches, factors, &LightOptions::default()).unwrap();
+            let solution = problem.solve(&SolveOptions::default()).unwrap();
+            let energy = Energy::of(&problem, &solution.radiance);
+            assert!(energy.imbalance < 1e-12 && energy.emitted[0] > 0.0, "{basis:?} {energy:?}");
+            solution.irradiance
+        };
+        assert_eq!(answer(&traced), answer(&FormFactors::none(&patches, basis)), "{basis:?}");
+    }
+}

@@ -176,7 +176,7 @@ impl FactorsArgs {
                 ))?;
                 (patches, factors)
             }
-            None if tracer.scene().is_without(Feature::Interreflection) => {
+            None if !tracer.scene().has_exchange() && self.save_factors.is_none() => {
                 let patches = Patches::new(tracer, &tessellation)?;
                 let factors = FormFactors::none(&patches, trace.basis);
                 (patches, factors)

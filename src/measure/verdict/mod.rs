@@ -21,7 +21,7 @@ use serde::Serialize;
 
 use super::{Energy, ErrorBudget};
 use crate::patches::Patches;
-use crate::scene::{Feature, Scene};
+use crate::scene::Scene;
 use crate::solve::{Problem, Solution};
 use crate::trace::Tracer;
 use constants::{BAD, EXACT, TOLERANCES};
@@ -226,7 +226,7 @@ impl Answer<'_> {
 
     /// Whether light goes on from surface to surface, so that rows of form factors matter.
     fn has_rows(&self) -> bool {
-        !self.tracer.scene().is_without(Feature::Interreflection)
+        self.tracer.scene().has_exchange()
     }
 }
 

@@ -17,7 +17,7 @@ use super::constants::{
 use super::density::Density;
 use crate::parallel;
 use crate::patches::{BYTES_PER_SLOT, Basis, Outlook, PatchError, Tessellation};
-use crate::scene::{Feature, Material, Scene, Side, triangle};
+use crate::scene::{Material, Scene, Side, triangle};
 use crate::trace::{Lamps, Tracer};
 use crate::transport::exchange::{MANY, StorageKind};
 use crate::transport::form_factors::TraceOptions;
@@ -272,7 +272,7 @@ impl<'a> Job<'a> {
         let patches = outlook.patches();
         let number = patches.round() as usize;
         let per_patch = work.trace.rays.unwrap_or(TraceOptions::usual_rays(number)).next_multiple_of(BATCHES);
-        let interreflects = !scene.is_without(Feature::Interreflection);
+        let interreflects = scene.has_exchange();
         let without_rays = work.trace.without_rays(tracer, number);
         let is_exact = interreflects && without_rays.is_ok();
         let lamps = Lamps::of_interest(tracer, work.trace.lamp_rays_for(per_patch));
