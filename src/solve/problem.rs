@@ -2,7 +2,8 @@
 //! to its solution.
 //!
 //! Solvers find the irradiance πFL that surfaces cause; a problem adds H₀, that by lights without area and
-//! the sky, so that a solution is the light of the whole scene.
+//! the sky, and what bright patches bring beside the operator, so that a solution is the light of the whole
+//! scene.
 
 use nalgebra::DMatrix;
 
@@ -165,7 +166,8 @@ impl Problem {
         solved.map(|solution| solution.under(&self.sources)).map_err(|error| error.under(&self.sources))
     }
 
-    /// The first terms of the series by themselves: E, KE, … up to bounce `last`, N × c each.
+    /// The first terms of the series by themselves: E, KE, … up to bounce `last`, N × c each; what bright
+    /// patches bring beside the operator is in that of bounce 1 and what follows of it.
     pub fn bounces(&self, last: usize) -> Vec<DMatrix<f64>> {
         let k = &self.operator;
         let (Some(bright), 1..) = (&self.sources.bright, last) else {
