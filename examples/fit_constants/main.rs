@@ -100,10 +100,10 @@ fn value(rows: &[FaceRow], of: &FaceRow) -> Option<f64> {
 #[derive(Default)]
 struct Tally {
     mesh: Vec<f64>,
-    /// Per answer, its error over all faces as a part of the bound on it.
-    of_bound: Vec<f64>,
     /// The same of scenes with lights without area alone: with a sky, and without.
     noise_of_lights: [Vec<f64>; 2],
+    /// Per answer, its error over all faces as a part of the bound on it.
+    of_bound: Vec<f64>,
     /// Per face: the error squared, what bars hold beside their common part, and that part by its constant,
     /// squared.
     faces: Vec<[f64; 3]>,
@@ -185,7 +185,7 @@ impl Tally {
         };
         let line = |name: &str, fits: f64, now: f64| println!("{name:14} {fits:6.2}, in use {now:.2}");
         println!();
-        // Skies and other lights share one constant.
+        // Skies and other lights share this constant; parts of skies are made smaller beforehand.
         for (name, ratios) in ["EVENNESS: sky", "and lights"].into_iter().zip(&self.noise_of_lights) {
             if !ratios.is_empty() {
                 line(name, FITTED.evenness / middle(ratios), FITTED.evenness);

@@ -184,12 +184,7 @@ impl Problem {
     /// `NotFinite` or `Cancelled`.
     pub fn neumann(&self, options: &NeumannOptions) -> Result<Series, SolveError> {
         let (k, e) = (&self.operator, &self.right_hand_side);
-        // What bright patches bring beside the operator has not arrived at order 0.
-        let at_order_0 = match &self.sources.bright {
-            Some(bright) => -&bright.correction,
-            None => DMatrix::zeros(k.len(), k.channels()),
-        };
-        let Series { solution, bounces } = neumann_from(k, e, at_order_0, options)?;
+        let Series { solution, bounces } = neumann_from(k, e, self.sources.at_order_0(), options)?;
         Ok(Series { solution: solution.under(&self.sources), bounces })
     }
 }

@@ -207,14 +207,8 @@ fn changed_by(
             let lacking = e + k.reflect(&k.irradiance(&known)) - &known;
             k.irradiance(&(known + roughly(k, &lacking, CHANGE_TOLERANCE, Progress::default())?))
         }
-        Some(order) => {
-            // What bright patches bring beside the operator has not arrived at order 0.
-            let start = match &sources.bright {
-                Some(bright) => -&bright.correction,
-                None => DMatrix::zeros(k.len(), k.channels()),
-            };
-            (0..order).fold(start, |irradiance, _| k.irradiance(&(&e + k.reflect(&irradiance))))
-        }
+        Some(order) => (0..order)
+            .fold(sources.at_order_0(), |irradiance, _| k.irradiance(&(&e + k.reflect(&irradiance)))),
     };
     let mut there = on_clusters;
     sources.add_beside_the_operator(&mut there);

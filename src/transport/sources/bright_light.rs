@@ -109,12 +109,9 @@ impl Sources {
         if wanted.iter().zip(&found).any(|(&wanted, &found)| wanted > 0.0 && found <= 0.0) {
             return Ok(self);
         }
+        let factors = wanted.zip_map(&found, |wanted, found| if found > 0.0 { wanted / found } else { 0.0 });
         for part in &mut parts {
-            let factors = wanted
-                .iter()
-                .zip(&found)
-                .map(|(&wanted, &found)| if found > 0.0 { wanted / found } else { 0.0 });
-            part.column_iter_mut().zip(factors).for_each(|(mut column, factor)| column *= factor);
+            part.column_iter_mut().zip(&factors).for_each(|(mut column, factor)| column *= *factor);
         }
         let correction = self.add_noise(parts) - by_operator;
         self.bright = Some(BrightLight { radiance, correction });

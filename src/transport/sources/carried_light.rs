@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::{CHUNK, LightOptions, PARTS, TASK};
+use super::{CHUNK, LightOptions, PARTS, TASK, fields, whole_and_more};
 use crate::patches::{Basis, Patches};
 use crate::progress::Cancelled;
 use crate::scene::triangle;
@@ -308,20 +308,11 @@ impl Search<'_> {
 
     /// Makes irradiance of moments: of all parts, and by how much more each found.
     fn finish(self) -> Measured {
-        let values = self.basis.coefficients() * self.channels;
         let mass = Mass::of(self.basis, self.patches);
-        let rows = self.basis.coefficients() * self.patches.len();
-        let of_part = |part: usize| {
-            let moments = self.moments.chunks_exact(values).skip(part).step_by(PARTS);
-            let mut field = DMatrix::from_row_iterator(rows, self.channels, moments.flatten().copied());
-            mass.solve(&mut field, 1.0);
-            field
-        };
-        let mut parts: Vec<DMatrix<f64>> = (0..PARTS).map(of_part).collect();
-        let irradiance = parts.iter().fold(DMatrix::zeros(rows, self.channels), |sum, part| sum + part);
-        parts.iter_mut().for_each(|part| *part = &*part * PARTS as f64 - &irradiance);
+        let parts = fields(&self.moments, PARTS, self.channels, (&mass, 1.0)).collect();
+        let (irradiance, more) = whole_and_more(parts);
         let light = CarriedLight { irradiance, absorbed: self.absorbed, lost: self.lost, unit: mass.unit() };
-        Measured { light, more: parts }
+        Measured { light, more }
     }
 }
 

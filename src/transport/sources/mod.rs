@@ -103,13 +103,7 @@ impl Sources {
         let each = (1 + PARTS) * basis.coefficients() * channels;
         let moments = look.moments(basis, patches.len(), each, options.progress)?;
         let mass = Mass::of_areas(basis, patches);
-        let mut fields = (0..=PARTS).map(|part| {
-            let coefficients = moments.chunks_exact(each / (1 + PARTS)).skip(part).step_by(1 + PARTS);
-            let mut field =
-                DMatrix::from_row_iterator(emitted.nrows(), channels, coefficients.flatten().copied());
-            mass.solve(&mut field, 1.0);
-            field
-        });
+        let mut fields = fields(&moments, 1 + PARTS, channels, (&mass, 1.0));
         let mut sources = Self { direct: fields.next(), spread: fields.collect(), ..emitted.into() };
         if let Some(Measured { light, more }) =
             CarriedLight::trace(tracer, patches, basis, &look.lights, options)?
@@ -155,10 +149,18 @@ impl Sources {
         }
     }
 
+    /// The irradiance πFL (N × c, W·m⁻²) from which a series starts so that order 0 has H₀ alone: what bright
+    /// patches bring beside the operator is taken back until order 1.
+    pub(crate) fn at_order_0(&self) -> DMatrix<f64> {
+        match &self.bright {
+            Some(bright) => -&bright.correction,
+            None => DMatrix::zeros(self.emitted.nrows(), self.emitted.ncols()),
+        }
+    }
+
     /// Adds the noise that parts of some light (N × c each) tell to that of the rest; the sum of them.
-    fn add_noise(&mut self, mut parts: Vec<DMatrix<f64>>) -> DMatrix<f64> {
-        let whole: DMatrix<f64> = parts.iter().sum();
-        parts.iter_mut().for_each(|part| *part = &*part * PARTS as f64 - &whole);
+    fn add_noise(&mut self, parts: Vec<DMatrix<f64>>) -> DMatrix<f64> {
+        let (whole, parts) = whole_and_more(parts);
         match self.spread.is_empty() {
             true => self.spread = parts,
             false => self.spread.iter_mut().zip(parts).for_each(|(all, part)| *all += part),
@@ -196,6 +198,29 @@ pub(super) const PARTS: usize = BATCHES as usize;
 
 /// Rays of the options for each one from a patch to a light; a number. Chosen, not fitted.
 pub(in crate::transport) const RAYS_PER_LIGHT_RAY: u32 = 4;
+
+/// The fields (N × c) of which moments are, patch by patch, so many parts one after another: f M⁻¹ of each.
+fn fields<'m>(
+    moments: &'m [f64],
+    parts: usize,
+    channels: usize,
+    (mass, factor): (&'m Mass, f64),
+) -> impl Iterator<Item = DMatrix<f64>> + 'm {
+    let values = mass.basis().coefficients() * channels;
+    (0..parts).map(move |part| {
+        let rows = moments.chunks_exact(values).skip(part).step_by(parts);
+        let mut field = DMatrix::from_row_iterator(mass.len(), channels, rows.flatten().copied());
+        mass.solve(&mut field, factor);
+        field
+    })
+}
+
+/// What parts of some light come to, and by how much more each would bring in the place of all.
+fn whole_and_more(mut parts: Vec<DMatrix<f64>>) -> (DMatrix<f64>, Vec<DMatrix<f64>>) {
+    let whole: DMatrix<f64> = parts.iter().sum();
+    parts.iter_mut().for_each(|part| *part = &*part * PARTS as f64 - &whole);
+    (whole, parts)
+}
 
 /// What looks for light from a patch. A trait, since the way to do it is generic in the number of functions.
 trait LooksForLight: Sync {

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use super::{LooksForLight, PARTS};
+use super::{LooksForLight, PARTS, fields};
 use crate::patches::{Basis, Patches};
 use crate::progress::{Cancelled, Progress};
 use crate::trace::sampling::Stream;
@@ -33,14 +33,7 @@ impl<L: Fn(&LampPoint, &mut [f64]) + Sync> Pairs<'_, L> {
         let values = basis.coefficients() * self.channels;
         let moments = self.moments(basis, self.patches.len(), PARTS * values, progress)?;
         let mass = Mass::of_areas(basis, self.patches);
-        let coefficients = basis.coefficients() * self.patches.len();
-        let of_part = |part: usize| {
-            let rows = moments.chunks_exact(values).skip(part).step_by(PARTS);
-            let mut field = DMatrix::from_row_iterator(coefficients, self.channels, rows.flatten().copied());
-            mass.solve(&mut field, PI);
-            field
-        };
-        Ok((0..PARTS).map(of_part).collect())
+        Ok(fields(&moments, PARTS, self.channels, (&mass, PI)).collect())
     }
 }
 
