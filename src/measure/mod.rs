@@ -25,7 +25,7 @@ pub use comparison::{
     Agreement, AgreementTest, Comparison, Difference, MeshError, OrderOptions, OrderRow, RelativeRms, Worst,
 };
 pub use energy::Energy;
-pub use error_bars::{ErrorBars, ErrorBudget, ErrorPart, FITTED, Fitted, GroupError, ReceiverBars};
+pub use error_bars::{BOUND_95, ErrorBars, ErrorBudget, ErrorPart, FITTED, Fitted, GroupError, ReceiverBars};
 pub use health::{
     Finding, FrontDoubt, Grade, ObjectOverlap, front_doubts, mesh_health, odd_placement, operator_health,
     overlaps,

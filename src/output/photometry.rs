@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::table::{digits, write_columns};
-use crate::measure::ReceiverBars;
+use crate::measure::{ErrorBars, ReceiverBars};
 use crate::patches::Patches;
 use crate::render::to_rgb;
 use crate::scene::{Light, Scene, luminance};
@@ -50,10 +50,12 @@ impl Levels {
 pub struct LevelErrors {
     /// Of the mean.
     pub mean: f64,
-    /// Of the lowest value.
-    pub minimum: f64,
-    /// Of the uniformity U₀.
-    pub uniformity: f64,
+    /// Of the lowest value; not of surfaces, where it is lower the smaller patches are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub minimum: Option<f64>,
+    /// Of the uniformity U₀; the same.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uniformity: Option<f64>,
 }
 
 /// The light of a lamp, or on a material, an object or a receiver.
@@ -72,18 +74,23 @@ pub struct Photometry {
     pub illuminance: Option<Levels>,
     /// Luminance, cd/m²; of surfaces.
     pub luminance: Option<Levels>,
-    /// How wrong the illuminance may be, lx; of receivers.
+    /// How wrong the illuminance may be, lx.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub illuminance_error: Option<LevelErrors>,
 }
 
 impl Photometry {
     /// Every material and object that has patches, from their irradiance (W·m⁻²) and radiance (W·sr⁻¹·m⁻²),
-    /// each n × c.
+    /// each n × c, and the error bars of that irradiance.
     ///
     /// # Panics
-    /// If either has not n rows.
-    pub fn of_surfaces(patches: &Patches, irradiance: &DMatrix<f64>, radiance: &DMatrix<f64>) -> Vec<Self> {
+    /// If any has not n rows.
+    pub fn of_surfaces(
+        patches: &Patches,
+        irradiance: &DMatrix<f64>,
+        radiance: &DMatrix<f64>,
+        bars: &ErrorBars,
+    ) -> Vec<Self> {
         let scene = patches.scene();
         let [lux, candelas] = [irradiance, radiance].map(|field| luminous(field, scene.efficacy()));
         let emitted = luminous(&patches.emitted_radiance(), scene.efficacy());
@@ -105,14 +112,23 @@ impl Photometry {
                     Some(Levels { mean, uniformity, ..levels })
                 };
                 let flux = |&i: &usize| std::f64::consts::PI * patches.area(i) * emitted[i];
+                let illuminance = levels(&lux);
+                let over: Vec<(usize, f64)> =
+                    members.iter().map(|&i| (i, patches.area(i) / (lit + dark))).collect();
+                let lux = |irradiance: &[f64]| scene.efficacy() * luminance(irradiance);
+                let error = |levels: Levels| LevelErrors {
+                    mean: bars.standard_error_of_mean(levels.mean, &over, lux),
+                    minimum: None,
+                    uniformity: None,
+                };
                 Self {
                     kind,
                     name: name.to_owned(),
                     area: Some(lit + dark),
                     emitted: Some(members.iter().map(flux).sum()),
-                    illuminance: levels(&lux),
+                    illuminance,
                     luminance: levels(&candelas),
-                    illuminance_error: None,
+                    illuminance_error: illuminance.map(error),
                 }
             };
             let all = names.into_iter().zip(members).zip(dark);
@@ -168,8 +184,8 @@ impl Photometry {
             };
             LevelErrors {
                 mean: bars.standard_error(mean),
-                minimum: bars.standard_error(minimum),
-                uniformity: bars.standard_error(uniformity),
+                minimum: Some(bars.standard_error(minimum)),
+                uniformity: Some(bars.standard_error(uniformity)),
             }
         });
         Self {
@@ -210,8 +226,7 @@ pub fn write_photometry(writer: &mut dyn Write, rows: &[Photometry]) -> io::Resu
                 None => [None; 5],
                 Some(l) => [l.mean, l.minimum, l.maximum, l.uniformity, l.diversity].map(Some),
             });
-            let errors =
-                row.illuminance_error.map_or([None; 3], |e| [e.mean, e.minimum, e.uniformity].map(Some));
+            let errors = row.illuminance_error.map_or([None; 3], |e| [Some(e.mean), e.minimum, e.uniformity]);
             let numbers = [row.area, row.emitted].into_iter().chain(levels).chain(errors);
             let numbers = numbers.map(|number| number.map_or_else(String::new, digits));
             table.write_record([row.kind.to_owned(), row.name.clone()].into_iter().chain(numbers))

@@ -32,7 +32,7 @@ const MOST_EXACT: usize = 64;
 
 /// Parts are bright to a point that are so many times as bright as all is that it sees; a number. Chosen, not
 /// fitted: where all is much the same, rays find it all.
-const BRIGHT: f64 = 2.0;
+const BRIGHT: f64 = 1.25;
 
 const NONE: u32 = u32::MAX;
 
@@ -62,7 +62,8 @@ struct Part {
     /// Unit normal of the side.
     normal: DVec3,
     area: f64,
-    /// Mean radiance that it sends out, averaged over channels.
+    /// Root mean square of the radiance that it sends out, averaged over channels: a part that is bright here
+    /// and dark there makes more noise than its mean would.
     radiance: f64,
 }
 
@@ -119,7 +120,7 @@ impl BrightParts {
             false => part.estimate(point, normal),
         };
         let mut chances: Vec<f64> = self.parts.iter().map(light).collect();
-        // What they send together is their mean radiance over all directions, by the cosine.
+        // What they send together is about their mean radiance over all directions, by the cosine.
         let mean: f64 = chances.iter().sum();
         let dim = self.parts.iter().map(|part| part.radiance <= BRIGHT * mean);
         chances.iter_mut().zip(dim).for_each(|(chance, is_dim)| *chance *= if is_dim { 0.0 } else { 1.0 });
@@ -191,7 +192,7 @@ impl Part {
         let corners = piece.corners.map(|at| triangle::point(tracer.corners(piece.face), at));
         let area = triangle::area(&corners);
         let normal = tracer.normal(piece.face, piece.side);
-        Self { face: piece.face as u32, corners, normal, area, radiance: piece.power / area }
+        Self { face: piece.face as u32, corners, normal, area, radiance: piece.rms() }
     }
 
     /// Its corners in the order in which its front is the side that sends.
@@ -247,6 +248,14 @@ struct Member {
 }
 
 impl Piece {
+    /// √(Σ A L² / Σ A).
+    fn rms(&self) -> f64 {
+        let area: f64 = self.members.iter().map(|member| member.area).sum();
+        let squares: f64 =
+            self.members.iter().map(|member| member.area * member.radiance * member.radiance).sum();
+        (squares / area).sqrt()
+    }
+
     /// Σ A |L − mean L|.
     fn unevenness(&self) -> f64 {
         let area: f64 = self.members.iter().map(|member| member.area).sum();

@@ -106,7 +106,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     }
     let of_receivers =
         received.iter().map(|(received, bars)| Photometry::of_receiver(received, bars, efficacy)).collect();
-    let photometry = job.write_photometry(&mut outputs, means, of_receivers)?;
+    let photometry = job.write_photometry(&mut outputs, (means, &bars), of_receivers)?;
     job.write_false_colours(&mut outputs, &pictures)?;
     job.write_lamps(&mut outputs, lamps)?;
     args.picture.write(&pictures.picture, &mut outputs)?;
@@ -250,14 +250,14 @@ impl Job<'_> {
     fn write_photometry(
         &self,
         outputs: &mut Outputs,
-        Solution { irradiance, radiance, .. }: &Solution,
+        (Solution { irradiance, radiance, .. }, bars): (&Solution, &ErrorBars),
         of_receivers: Vec<Photometry>,
     ) -> Result<Vec<Photometry>, Failure> {
         if !self.args.photometric {
             return Ok(of_receivers);
         }
         let patches = self.patches;
-        let mut rows = Photometry::of_surfaces(patches, irradiance, radiance);
+        let mut rows = Photometry::of_surfaces(patches, irradiance, radiance, bars);
         rows.extend(Photometry::of_lights(self.scene()));
         rows.extend(of_receivers);
         outputs.file("photometry.csv", |file| output::write_photometry(file, &rows))?;

@@ -1,6 +1,6 @@
 //! What `radiosity solve` says of its answer, in a dozen lines.
 
-use radiosity::measure::GroupError;
+use radiosity::measure::{BOUND_95, GroupError};
 use radiosity::output::{EnergySummary, Photometry, Summary};
 use radiosity::patches::Basis;
 use radiosity::scene::Scene;
@@ -182,13 +182,18 @@ fn errors(all: &[GroupError], patches: usize) -> Option<String> {
 /// A table of illuminances, lx.
 fn illuminances(rows: &[Photometry]) -> String {
     let mut text = format!(
-        "  {:<28} {:>10} {:>10} {:>10} {:>11}\n",
-        "illuminance, lx", "mean", "minimum", "maximum", "uniformity"
+        "  {:<28} {:>10} {:>9} {:>10} {:>10} {:>11}\n",
+        "illuminance, lx", "mean", "95 %", "minimum", "maximum", "uniformity"
     );
     for (row, lux) in rows.iter().filter_map(|row| Some((row, row.illuminance?))) {
         let name = format!("{} {}", row.kind, row.name);
         let [mean, minimum, maximum] = [lux.mean, lux.minimum, lux.maximum].map(short);
-        text += &format!("  {name:<28} {mean:>10} {minimum:>10} {maximum:>10} {:>11.3}\n", lux.uniformity);
+        let part = row.illuminance_error.filter(|_| lux.mean > 0.0).map(|error| error.mean / lux.mean);
+        let bound =
+            part.map_or_else(String::new, |part| format!("± {} %", accuracy::percent(BOUND_95 * part)));
+        let uniformity = lux.uniformity;
+        text +=
+            &format!("  {name:<28} {mean:>10} {bound:>9} {minimum:>10} {maximum:>10} {uniformity:>11.3}\n");
     }
     text
 }

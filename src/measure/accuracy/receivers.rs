@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::goal::Tolerated;
-use crate::measure::error_bars::ReceiverBars;
+use crate::measure::error_bars::{BOUND_95, ReceiverBars};
 use crate::patches::Patches;
 use crate::progress::Cancelled;
 use crate::trace::Tracer;
@@ -18,9 +18,6 @@ const MORE_RAYS: u32 = 4;
 /// How many times the error that is asked for a point of a receiver may have; by the definition of what is
 /// asked for.
 const POINT: f64 = 3.0;
-
-/// What a bound at 95 % is of one standard error.
-const BOUND: f64 = 1.96;
 
 /// The part of the error that is asked for which the noise of a receiver's own rays may take; chosen.
 const QUIET: f64 = 0.7;
@@ -58,7 +55,7 @@ pub fn receive<'a>(
 fn is_quiet(received: &Received, tolerated: Tolerated) -> bool {
     let noise = received.rows.noise();
     let bars = DMatrix::from_fn(received.irradiance.nrows(), received.irradiance.ncols(), |i, c| {
-        BOUND * noise.variance(|field| field[(i, c)]).sqrt()
+        BOUND_95 * noise.variance(|field| field[(i, c)]).sqrt()
     });
     exceeds(&received.irradiance, &bars, (tolerated, QUIET)).is_none()
 }
@@ -66,7 +63,7 @@ fn is_quiet(received: &Received, tolerated: Tolerated) -> bool {
 /// By which part of what it measures a receiver's error is larger than what is tolerated, over all of its
 /// points or else at the point where it is the largest; none if it is no larger.
 pub fn missed(bars: &ReceiverBars, tolerated: Tolerated) -> Option<f64> {
-    exceeds(bars.irradiance(), &(BOUND * &bars.points), (tolerated, 1.0))
+    exceeds(bars.irradiance(), &(BOUND_95 * &bars.points), (tolerated, 1.0))
 }
 
 /// The share of a receiver's irradiance by which its error (both m × c) is larger than a part of what is

@@ -81,12 +81,16 @@ pub(super) const NOISE_AT_MOST_LINEAR: f64 = 6.0;
 /// own, since bounds that are written out would differ in the fourth digit.
 pub(super) const STUDENT: f64 = 1.895;
 
-/// How many times wider than one standard deviation by so few batches a bar is for 1.96 of it to hold in 95
-/// cases of 100: two-sided Student's t for 7 and for 15 degrees of freedom, over the normal quantile; pure
-/// numbers. Mathematics, rounded. The first is of patches' rays and light, in 8 batches, the second of
-/// receivers' own rays, in 16.
-pub(super) const EIGHT_BATCHES: f64 = 2.365 / 1.960;
-pub(super) const SIXTEEN_BATCHES: f64 = 2.131 / 1.960;
+/// What holds in 95 cases of 100, as a multiple of one standard error; a pure number. The quantile of the
+/// normal distribution, rounded.
+pub const BOUND_95: f64 = 1.960;
+
+/// How many times wider than one standard deviation by so few batches a bar is for [`BOUND_95`] of it to
+/// hold in 95 cases of 100: two-sided Student's t for 7 and for 15 degrees of freedom, over the normal
+/// quantile; pure numbers. Mathematics, rounded. The first is of patches' rays and light, in 8 batches, the
+/// second of receivers' own rays, in 16.
+pub(super) const EIGHT_BATCHES: f64 = 2.365 / BOUND_95;
+pub(super) const SIXTEEN_BATCHES: f64 = 2.131 / BOUND_95;
 
 /// The relative rounding of stored exchange areas; a pure number, by their format.
 pub(super) const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;

@@ -78,12 +78,13 @@ impl Fields {
         self
     }
 
-    /// The square of the error of a linear function of irradiance, as far as these tell it.
-    pub fn squared(&self, of: impl Fn(&DMatrix<f64>) -> f64) -> f64 {
+    /// The square of the error of a linear function of irradiance, as far as these tell it, where merging
+    /// changes it so many times less than one value.
+    pub fn squared(&self, of: impl Fn(&DMatrix<f64>) -> f64, less: f64) -> f64 {
         let noise = variance_of_mean(&self.rays, &of) + variance_of_mean(&self.lamps, &of);
         let [a, b] = self.variation.each_ref().map(&of);
         let missing = self.missing.as_ref().map_or(0.0, &of);
-        let mesh = of(&self.merging).powi(2) + (a * b).max(0.0) + of(&self.unresolved).powi(2);
+        let mesh = (of(&self.merging) / less).powi(2) + (a * b).max(0.0) + of(&self.unresolved).powi(2);
         EIGHT_BATCHES.powi(2) * noise + mesh + missing * missing
     }
 

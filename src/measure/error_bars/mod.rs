@@ -27,7 +27,7 @@ use crate::progress::Progress;
 use crate::scene::Feature;
 use crate::solve::{Certainty, Problem, Solution};
 use crate::transport::{Received, Reflection};
-pub use constants::{FITTED, Fitted};
+pub use constants::{BOUND_95, FITTED, Fitted};
 use faces::Faces;
 use fields::Fields;
 pub use groups::GroupError;
@@ -53,6 +53,10 @@ pub struct ErrorBars {
     pub budget: ErrorBudget,
     /// The errors of objects, materials and receivers.
     pub groups: Vec<GroupError>,
+    /// What each source of error does to patches, and how large it is by face.
+    by_patch: Fields,
+    sizes: Sizes,
+    insight: Insight,
 }
 
 /// How wrong irradiance by face is, as area-weighted relative root mean square over all channels, and why; of
@@ -186,7 +190,28 @@ impl ErrorBars {
             receivers: bars_of_receivers,
             budget,
             groups,
+            by_patch,
+            sizes,
+            insight,
         })
+    }
+
+    /// One standard error of `mean`, the mean over patches of what `value` makes of the irradiance in their
+    /// channels (W·m⁻²), such as illuminance; `over` has the patches, and what part of the mean each is.
+    /// `value` must be linear.
+    pub fn standard_error_of_mean(
+        &self,
+        mean: f64,
+        over: &[(usize, f64)],
+        value: impl Fn(&[f64]) -> f64,
+    ) -> f64 {
+        let at = |field: &DMatrix<f64>, i: usize| value(field.row(i).transpose().as_slice());
+        let sum = |field: &DMatrix<f64>| over.iter().map(|&(i, part)| part * at(field, i)).sum::<f64>();
+        let whole: f64 = over.iter().map(|&(_, part)| part).sum();
+        let less = self.insight.remains(1.0) / self.insight.remains(over.len() as f64);
+        let common = self.sizes.common() * mean;
+        let left_out = self.sizes.left_out().map_or(0.0, |left_out| whole * value(left_out));
+        (self.by_patch.squared(sum, less) + common * common + left_out * left_out).sqrt()
     }
 
     /// What speaks for the answer: the error of the object or receiver whose own is the largest by `size`, of

@@ -49,6 +49,7 @@ impl ReceiverBars {
     /// One standard error of a linear function of the points' irradiance (m × c), in its unit.
     pub fn standard_error(&self, of: impl Fn(&DMatrix<f64>) -> f64) -> f64 {
         let common = self.common * of(&self.irradiance);
-        (SIXTEEN_BATCHES.powi(2) * self.own.variance(&of) + self.sent.squared(&of) + common * common).sqrt()
+        let sent = self.sent.squared(&of, 1.0);
+        (SIXTEEN_BATCHES.powi(2) * self.own.variance(&of) + sent + common * common).sqrt()
     }
 }

@@ -11,6 +11,7 @@ use crate::patches::Patches;
 use crate::solve::{Certainty, Problem, Report};
 
 /// Sources of error by face, as relative root mean squares over area and channels.
+#[derive(Clone, Debug)]
 pub(super) struct Sizes {
     mesh: f64,
     rays: f64,
@@ -91,10 +92,15 @@ impl Sizes {
         COMMON * self.mesh
     }
 
+    /// What a truncated series left out, per channel, W·m⁻²; nothing for other answers.
+    pub fn left_out(&self) -> Option<&[f64]> {
+        self.is_truncated.then_some(&self.left_out)
+    }
+
     /// One standard error of a patch or face of irradiance `h`: its own noise, what of the mesh error is seen
     /// on it, some of what all have, what it may miss, and what is left out.
     pub fn bar(&self, h: f64, fields: &Fields, at: (usize, usize)) -> f64 {
-        let left_out = if self.is_truncated { self.left_out[at.1] } else { 0.0 };
+        let left_out = self.left_out().map_or(0.0, |left_out| left_out[at.1]);
         let variance = fields.noise_squared(at) + fields.missing_squared(at);
         (variance + fields.mesh_squared(at) + (self.common() * h).powi(2) + left_out.powi(2)).sqrt()
     }

@@ -2,11 +2,11 @@
 //! area + H of all else), and on sheets τ/π times the same of their other side more. What lights without area
 //! and the sky send by way of mirrors, metals and glass is that of the patches, smoothed.
 //!
-//! Lamps are sampled at points drawn on them, everything else by cosine-distributed rays that bring back the
-//! solution where they land. Such rays meet lamps too. Both ways count, weighted by the balance heuristic
-//! (Veach & Guibas 1995, eq. 14), so that nothing is counted twice and no sample weighs more than the lamp is
-//! bright, however near the lamp. Bright parts of other faces are sampled as lamps are, weighted by the power
-//! heuristic.
+//! Lamps are sampled at points drawn on them, everything else by cosine-distributed rays, two for each such
+//! point, that bring back the solution where they land. Such rays meet lamps too. Both ways count, weighted
+//! by the balance heuristic (Veach & Guibas 1995, eq. 14), so that nothing is counted twice and no sample
+//! weighs more than the lamp is bright, however near the lamp. Bright parts of other faces are sampled as
+//! lamps are, weighted by the power heuristic.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -176,37 +176,51 @@ impl<'a, 's> Gather<'a, 's> {
 
     /// H/π at a place.
     fn arriving(&self, place: &Interaction, barycentrics: Barycentrics, look: &mut Look) -> DVec3 {
-        let [s, t, u, v] = look.sequence.dimensions(look.point, 1);
-        let view = &look.views.seen_at(self.tracer, &self.lamps, place).clone();
-        let around = &look.views.around(place, || Around {
+        // These pairs of dimensions are stratified best.
+        let [.., s, t] = look.sequence.dimensions(look.point, 0);
+        let [u, x, v, y] = look.sequence.dimensions(look.point, 1);
+        let view = look.views.lamps_from(self.tracer, &self.lamps, place);
+        let around = look.views.around.of(place, || Around {
             bright: self.bright.view_from(place.point, place.normal),
             sky: self
                 .lights
                 .as_ref()
                 .and_then(|lights| lights.sky_over(self.tracer, &[place.point], place.normal)),
         });
-        self.light_of_lamps(place, view, [s, t])
-            + self.light_of_bright_parts(place, &around.bright, [t, s])
-            + self.light_around(place, &Seen { lamps: view, bright: &around.bright }, [u, v], look)
-            + self.light_of_lights(place, around.sky.as_ref(), [s, t])
+        let seen = Seen { lamps: &view, bright: &around.bright };
+        // What varies from one side to the other cancels in two opposite ways.
+        let ways = [[u, v], [1.0 - u, 1.0 - v]];
+        let of_ways: DVec3 = ways.into_iter().map(|way| self.light_around(place, &seen, way, look)).sum();
+        self.light_of_lamps(place, &view, [s, t])
+            + self.light_of_bright_parts(place, &around.bright, [x, y])
+            + of_ways / ways.len() as f64
+            + self.light_of_lights(place, around.sky.as_ref(), [s, t], look)
             + self.carried_light(place, barycentrics)
     }
 
     /// H₀/π: of lights without area and the sky by way of carriers, as it was solved.
     fn carried_light(&self, place: &Interaction, barycentrics: [f64; 2]) -> DVec3 {
+        let Some(field) = &self.carried else { return DVec3::ZERO };
         let patch = self.patches.patch_at(place.face as usize, place.side, barycentrics);
-        let field = self.carried.as_ref().zip(patch);
-        field.map_or(DVec3::ZERO, |(field, patch)| field.at(patch, barycentrics) * FRAC_1_PI)
+        patch.map_or(DVec3::ZERO, |patch| field.at(patch, barycentrics) * FRAC_1_PI)
     }
 
     /// H₀/π: straight from lights without area and from the sky.
-    fn light_of_lights(&self, place: &Interaction, sky: Option<&SkyView>, random: [f64; 2]) -> DVec3 {
+    fn light_of_lights(
+        &self,
+        place: &Interaction,
+        sky: Option<&SkyView>,
+        random: [f64; 2],
+        look: &mut Look,
+    ) -> DVec3 {
         let Some(lights) = &self.lights else { return DVec3::ZERO };
-        let channels = self.tracer.scene().channels();
-        let (mut irradiance, mut scratch) = (vec![0.0; channels], vec![0.0; channels]);
         let here = Arrival { place: *place, sky };
-        lights.add_irradiance(self.tracer, &here, || random, [&mut irradiance, &mut scratch]);
-        DVec3::from(to_rgb(&irradiance)) * FRAC_1_PI
+        let [irradiance, scratch] = &mut look.views.channels;
+        irradiance.clear();
+        irradiance.resize(self.tracer.scene().channels(), 0.0);
+        scratch.resize(irradiance.len(), 0.0);
+        lights.add_irradiance(self.tracer, &here, || random, [irradiance, scratch]);
+        DVec3::from(to_rgb(irradiance)) * FRAC_1_PI
     }
 
     /// Emission as surfaces around see it: where a texture varies it, its mean over the patch.

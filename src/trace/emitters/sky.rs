@@ -66,8 +66,9 @@ pub struct SkyView {
 }
 
 /// The part of directions that is drawn towards apertures, where there are any; a pure number. Chosen, not
-/// fitted: where all comes through these the others are lost, and where nothing does these are.
-const TO_APERTURES: f64 = 0.5;
+/// fitted: where all comes through these the others are lost, and where nothing does these are. What is
+/// behind an aperture seldom sees the sky otherwise.
+const TO_APERTURES: f64 = 0.75;
 
 /// The part of rays that is drawn from apertures to a triangle near them; a pure number. Chosen, not fitted.
 const FROM_APERTURES: f64 = 0.5;
