@@ -223,7 +223,7 @@ impl<'s> Patches<'s> {
         options: &Tessellation,
     ) -> Result<Self, PatchError> {
         if !fineness.is_sound() {
-            return Err(PatchError::Size(format!("{fineness:?}")));
+            return Err(PatchError::Size("that of the saved form factors is not".into()));
         }
         let mut patches = Self::cut(tracer, fineness, &mut Parting::new(tracer)?, options)?;
         match slots {

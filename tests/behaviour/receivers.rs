@@ -268,6 +268,7 @@ fn bad_receivers_are_refused() {
     for (settings, words) in [
         (DESK.replace("[1, 0, 0]", "[0, 0, 2]"), "span an area"),
         (DESK.replace("points = [3, 3]", "points = [0, 3]"), "points must be"),
+        (format!("{DESK}{DESK}"), "another has this name"),
         (DESK.replace("-0.5, 1,", "-0.5, inf,"), "finite"),
         (format!("{DESK}maintenance = 1.5\n"), "maintenance 1.5"),
         (format!("{DESK}margin = 0.6\n"), "leave a point"),
@@ -276,5 +277,12 @@ fn bad_receivers_are_refused() {
     ] {
         let (done, message) = solved(&floor_with(&settings), "");
         assert!(!done && message.contains("receiver desk") && message.contains(words), "{message}");
+    }
+    for (settings, words) in [
+        (DESK.replace("points = [3, 3]", "points = [3, 3, 3]"), "floor.toml:9: 3 in place of 2 values"),
+        (DESK.replace("[1, 0, 0]", "[1, 0, 0, 5]"), "floor.toml:8: 4 in place of 3 values"),
+    ] {
+        let (done, message) = solved(&floor_with(&settings), "");
+        assert!(!done && message.contains(words), "{message}");
     }
 }

@@ -39,7 +39,8 @@ impl<'t, 's> Cutter<'t, 's> {
                 self.cut_as(fineness, options)
             }
             PatchSize::Count(count) if count > 0 => self.cut_into(count, options),
-            size => Err(PatchError::Size(format!("{size:?}"))),
+            PatchSize::Edge(metres) => Err(PatchError::Size(format!("an edge of {metres} m"))),
+            PatchSize::Count(count) => Err(PatchError::Size(format!("{count} patches"))),
         }
     }
 

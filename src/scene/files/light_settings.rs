@@ -75,7 +75,7 @@ pub(crate) enum LightSettings {
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub(crate) enum SkySettings {
     Constant {
-        #[serde(default = "super::settings::y_up")]
+        #[serde(default = "y_up")]
         up: [f64; 3],
         /// If not given the sky shines from below, too.
         ground: Option<f64>,
@@ -87,7 +87,7 @@ pub(crate) enum SkySettings {
         colour: Option<Colour>,
     },
     Overcast {
-        #[serde(default = "super::settings::y_up")]
+        #[serde(default = "y_up")]
         up: [f64; 3],
         #[serde(default)]
         ground: f64,
@@ -101,7 +101,7 @@ pub(crate) enum SkySettings {
     /// One of the CIE standard general skies, or 16 for the traditional overcast one.
     Cie {
         r#type: usize,
-        #[serde(default = "super::settings::y_up")]
+        #[serde(default = "y_up")]
         up: [f64; 3],
         sun: Option<[f64; 3]>,
         #[serde(default)]
@@ -115,7 +115,7 @@ pub(crate) enum SkySettings {
     },
     Environment {
         file: PathBuf,
-        #[serde(default = "super::settings::y_up")]
+        #[serde(default = "y_up")]
         up: [f64; 3],
         /// Degrees.
         #[serde(default)]
@@ -126,7 +126,7 @@ pub(crate) enum SkySettings {
         illuminance: Option<f64>,
     },
     Clear {
-        #[serde(default = "super::settings::y_up")]
+        #[serde(default = "y_up")]
         up: [f64; 3],
         sun: [f64; 3],
         #[serde(default)]
@@ -247,6 +247,10 @@ fn aim(
         (None, Some(direction)) => Ok(DVec3::from(*direction).normalize_or_zero()),
         _ => Err("aim it by target or by direction, one of the two".into()),
     }
+}
+
+fn y_up() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
 }
 
 /// Where horizontal angle 0 points if nothing is said: along x, or along z if the luminaire's axis nearly

@@ -4,6 +4,7 @@ mod beside;
 mod builtin;
 mod colour;
 mod light_settings;
+mod list;
 mod mtl;
 mod obj;
 mod picture_file;

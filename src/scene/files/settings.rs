@@ -10,12 +10,17 @@ use toml::Spanned;
 use super::beside::Beside;
 use super::colour::Colour;
 use super::light_settings::{LightSettings, SkySettings, World};
+use super::list::List;
 use super::settings_line::line_of;
 use crate::scene::material::Sheet;
 use crate::scene::photometry::EFFICACY;
 use crate::scene::{
-    Camera, FARTHEST, LARGEST, Material, Measure, Receiver, SceneError, SceneParts, Surface, is_near,
+    Camera, FARTHEST, LARGEST, Light, Material, Measure, Receiver, SceneError, SceneParts, Sky, Surface,
+    is_near,
 };
+
+/// Three numbers.
+type Vector = List<f64, 3>;
 
 /// The content of a scene's `.toml`.
 #[derive(Debug, Deserialize)]
@@ -41,10 +46,10 @@ struct Settings {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CameraSettings {
-    position: [f64; 3],
-    target: [f64; 3],
-    #[serde(default = "y_up")]
-    up: [f64; 3],
+    position: Vector,
+    target: Vector,
+    /// y if not given.
+    up: Option<Vector>,
     #[serde(default = "normal_lens")]
     fov: f64,
 }
@@ -53,16 +58,16 @@ struct CameraSettings {
 #[serde(deny_unknown_fields)]
 struct ReceiverSettings {
     name: String,
-    corner: [f64; 3],
-    edges: [[f64; 3]; 2],
+    corner: Vector,
+    edges: List<Vector, 2>,
     /// By the rule of EN 12464-1 if not given.
-    points: Option<[usize; 2]>,
+    points: Option<List<usize, 2>>,
     #[serde(default)]
     kind: MeasureSettings,
     /// Of a plane; of the receiver itself if not given.
-    normal: Option<[f64; 3]>,
+    normal: Option<Vector>,
     /// Of a cylinder; y if not given.
-    axis: Option<[f64; 3]>,
+    axis: Option<Vector>,
     /// In the unit of the scene.
     #[serde(default)]
     margin: f64,
@@ -132,10 +137,6 @@ impl Unit {
     }
 }
 
-pub(crate) fn y_up() -> [f64; 3] {
-    [0.0, 1.0, 0.0]
-}
-
 fn normal_lens() -> f64 {
     45.0
 }
@@ -165,13 +166,35 @@ pub(crate) fn apply(
         parts.lights.push(light.map_err(|message| file.error(given, format!("light: {message}")))?);
     }
     for given in &settings.receiver {
-        parts.receivers.push(file.receiver(given, unit)?);
+        let receiver = file.receiver(given, unit)?;
+        if parts.receivers.iter().any(|known| known.name == receiver.name) {
+            let message = format!("receiver {}: another has this name; give each its own", receiver.name);
+            return Err(file.error(given, message));
+        }
+        parts.receivers.push(receiver);
     }
     if let Some(given) = &settings.sky {
         let sky = given.get_ref().sky(&mut world);
-        parts.sky = Some(sky.map_err(|message| file.error(given, format!("sky: {message}")))?);
+        let sky = sky.map_err(|message| file.error(given, format!("sky: {message}")))?;
+        parts.warnings.extend(suns_below(&sky, &parts.lights));
+        parts.sky = Some(sky);
     }
     Ok(())
+}
+
+/// Names suns that stand below the horizon of a sky.
+fn suns_below(sky: &Sky, lights: &[Light]) -> Vec<String> {
+    let is_below = |light: &Light| match light {
+        Light::Sun { direction, .. } => direction.dot(sky.up) > 0.0,
+        _ => false,
+    };
+    let below = (1..).zip(lights).filter(|(_, light)| is_below(light));
+    let warning = |(number, _)| {
+        format!(
+            "sun {number} shines from below the horizon of the sky; its direction is the way its light travels"
+        )
+    };
+    below.map(warning).collect()
 }
 
 /// A file of settings, which knows where in it something is wrong.
@@ -214,8 +237,9 @@ impl SettingsFile<'_> {
 
     fn camera(&self, given: &Spanned<CameraSettings>, unit: f64) -> Result<Camera, SceneError> {
         let CameraSettings { position, target, up, fov } = *given.get_ref();
-        let [position, target] = [position, target].map(|point| DVec3::from(point) * unit);
-        let camera = Camera { position, target, up: up.into(), fov };
+        let [position, target] = [position, target].map(|point| DVec3::from(point.0) * unit);
+        let up = up.map_or(DVec3::Y, |up| up.0.into());
+        let camera = Camera { position, target, up, fov };
         if camera.is_valid() { Ok(camera) } else { Err(self.error(given, SceneError::Camera.to_string())) }
     }
 
@@ -251,11 +275,11 @@ impl SettingsFile<'_> {
 
     fn receiver(&self, given: &Spanned<ReceiverSettings>, unit: f64) -> Result<Receiver, SceneError> {
         let ReceiverSettings { name, corner, edges, points, .. } = given.get_ref();
-        let [corner, a, b] = [corner, &edges[0], &edges[1]].map(|&p| DVec3::from(p) * unit);
-        let counts = points.unwrap_or_else(|| Receiver::usual_counts([a, b]));
+        let [corner, a, b] = [*corner, edges.0[0], edges.0[1]].map(|p| DVec3::from(p.0) * unit);
+        let counts = points.map_or_else(|| Receiver::usual_counts([a, b]), |points| points.0);
         let wrong = |message: &str| self.error(given, format!("receiver {name}: {message}"));
         let ReceiverSettings { kind, normal, axis, margin, maintenance, .. } = *given.get_ref();
-        let unit_vector = |v: [f64; 3]| DVec3::from(v).normalize_or_zero();
+        let unit_vector = |v: Vector| DVec3::from(v.0).normalize_or_zero();
         let measure = match (kind, normal, axis) {
             (MeasureSettings::Planar, None, None) => Measure::Plane,
             (MeasureSettings::Planar, Some(normal), None) => Measure::Normal(unit_vector(normal)),

@@ -22,7 +22,7 @@ use crate::trace::{Lamps, Tracer};
 use crate::transport::exchange::{MANY, StorageKind};
 use crate::transport::form_factors::TraceOptions;
 use crate::transport::rows::{BATCHES, RAYS_PER_SHOT, RayCount, Shots};
-use crate::transport::sources::{LightOptions, RAYS_PER_LIGHT_RAY};
+use crate::transport::sources::{LightOptions, RAYS_PER_LIGHT_RAY, rays_of};
 
 /// What something costs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -427,10 +427,16 @@ impl<'a> Job<'a> {
         sum(&[Cost { bytes: held, ..straight }, *carried])
     }
 
+    /// Rays around from every point, and as many to what is bright, to each light and to the sky.
     fn receivers(&self) -> Cost {
-        let points: f64 = self.tracer.scene().receivers().iter().map(|receiver| receiver.len() as f64).sum();
-        let looks = points * f64::from(self.work.light.rays);
-        cost(looks, self.shared(looks * self.ray), 0.0)
+        let scene = self.tracer.scene();
+        let of_receiver = |points: usize| {
+            points as f64 * f64::from(rays_of(points, self.number as usize, self.work.light.rays))
+        };
+        let around: f64 = scene.receivers().iter().map(|receiver| of_receiver(receiver.len())).sum();
+        let straight = around * (scene.lights().count() + usize::from(scene.sky().is_some())) as f64;
+        let seconds = self.shared(2.0 * around * self.ray + straight * self.shadow_ray);
+        cost(2.0 * around + straight, seconds, 0.0)
     }
 
     fn render(&self) -> Cost {

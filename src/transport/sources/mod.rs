@@ -26,6 +26,7 @@ pub use carried_light::CarriedLight;
 use carried_light::Measured;
 pub(crate) use lamp_flux::LampFlux;
 use lights::Look;
+pub(crate) use receivers::rays_of;
 pub use receivers::{Received, ReceiverNoise, ReceiverRows};
 
 /// Patches between two reports of progress; a number. Chosen, not fitted.

@@ -197,7 +197,7 @@ impl ReceiverRows {
 }
 
 /// Rays of each of so many points, where patches have so many each.
-fn rays_of(points: usize, patches: usize, rays: u32) -> u32 {
+pub(crate) fn rays_of(points: usize, patches: usize, rays: u32) -> u32 {
     let affordable = PART_OF_ALL * patches as f64 * f64::from(rays) / points as f64;
     let most = MOST_RAYS.max(rays).min(BATCHES * SEQUENCE_END);
     rays.max(affordable.min(f64::from(most)) as u32)
