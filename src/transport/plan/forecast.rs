@@ -430,9 +430,8 @@ impl<'a> Job<'a> {
     /// Rays around from every point, and as many to what is bright, to each light and to the sky.
     fn receivers(&self) -> Cost {
         let scene = self.tracer.scene();
-        let of_receiver = |points: usize| {
-            points as f64 * f64::from(rays_of(points, self.number as usize, self.work.light.rays))
-        };
+        let of_receiver =
+            |points: usize| points as f64 * f64::from(rays_of(points, self.number, self.work.light.rays));
         let around: f64 = scene.receivers().iter().map(|receiver| of_receiver(receiver.len())).sum();
         let straight = around * (scene.lights().count() + usize::from(scene.sky().is_some())) as f64;
         let seconds = self.shared(2.0 * around * self.ray + straight * self.shadow_ray);
