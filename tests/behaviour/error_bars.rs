@@ -1,6 +1,6 @@
 //! Error bars: what an answer says of its own error, held against what the error is.
 
-use std::collections::BTreeMap;
+use std::ops::Range;
 
 use nalgebra::DMatrix;
 use radiosity::measure::{
@@ -9,7 +9,7 @@ use radiosity::measure::{
 use radiosity::patches::{Basis, FaceRow, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::reference::{PathTracer, ReferenceRow};
-use radiosity::scene::{Material, Scene, Side};
+use radiosity::scene::{Material, Scene};
 use radiosity::solve::{CgOptions, Problem, Solution};
 use radiosity::trace::Tracer;
 use radiosity::transport::{FormFactors, Keep, LightOptions, TraceOptions, TransportError};
@@ -20,10 +20,11 @@ use crate::scenes::{cut_into, flipped, load, mesh, paths, quads, reference, room
 struct Answer {
     faces: Vec<FaceRow>,
     bars: ErrorBars,
+    /// The patches of each of the faces.
+    patches: Vec<Range<usize>>,
     /// Of patches.
     irradiance: DMatrix<f64>,
-    /// Patches of each face's front, and of its back, with their areas.
-    on_sides: BTreeMap<(usize, bool), Vec<(usize, f64)>>,
+    areas: Vec<f64>,
 }
 
 fn solved(tracer: &Tracer, patches: &Patches, factors: &FormFactors) -> (Problem, Solution) {
@@ -42,12 +43,10 @@ fn answer(tracer: &Tracer, count: usize, rays: u32, seed: u64, basis: Basis) -> 
     let solution = problem.conjugate_gradients(&CgOptions::default()).unwrap();
     let bars = ErrorBars::of(&patches, &problem, &solution, Progress::default()).unwrap();
     let irradiance = solution.means().irradiance;
-    let mut on_sides = BTreeMap::<_, Vec<_>>::new();
-    for i in 0..patches.len() {
-        let place = patches.place(i);
-        on_sides.entry((place.face, place.side == Side::Back)).or_default().push((i, patches.area(i)));
-    }
-    Answer { faces: patches.average_by_face(&irradiance), bars, irradiance, on_sides }
+    let faces = patches.average_by_face(&irradiance);
+    let areas = (0..patches.len()).map(|i| patches.area(i)).collect();
+    let patches = faces.iter().map(|row| patches.patches_of(row.face, row.side)).collect();
+    Answer { faces, bars, patches, irradiance, areas }
 }
 
 fn data(name: &str) -> (Scene, Vec<ReferenceRow>) {
@@ -143,13 +142,14 @@ impl Coverage {
     }
 }
 
-/// A face's side by a reference and by an answer.
-type Pair<'a> = (&'a ReferenceRow, &'a FaceRow);
+/// A face's side by a reference, and which of an answer's faces it is.
+type Pair<'a> = (&'a ReferenceRow, usize);
 
 /// The sides that both have.
-fn pairs<'a>(reference: &'a [ReferenceRow], answer: &'a Answer) -> Vec<Pair<'a>> {
-    let same =
-        |row: &ReferenceRow| answer.faces.iter().find(|face| (face.face, face.side) == (row.face, row.side));
+fn pairs<'a>(reference: &'a [ReferenceRow], answer: &Answer) -> Vec<Pair<'a>> {
+    let same = |row: &ReferenceRow| {
+        answer.faces.iter().position(|face| (face.face, face.side) == (row.face, row.side))
+    };
     reference.iter().filter_map(|row| Some((row, same(row)?))).collect()
 }
 
@@ -163,15 +163,12 @@ fn by_object<'a>(scene: &Scene, pairs: &[Pair<'a>]) -> Vec<Vec<Pair<'a>>> {
 /// The mean of a channel over these sides by a reference, with its standard error, and by an answer.
 fn means_over(sides: &[Pair], answer: &Answer, c: usize) -> [(f64, f64); 2] {
     // Means are over all of a face, dark parts too.
-    let area: f64 = sides.iter().map(|(_, face)| face.area).sum();
-    let over: Vec<(usize, f64)> = sides
-        .iter()
-        .flat_map(|(row, _)| answer.on_sides.get(&(row.face, row.side == Side::Back)).into_iter().flatten())
-        .map(|&(i, own)| (i, own / area))
-        .collect();
-    let expected = sides.iter().map(|(row, face)| face.area / area * row.mean[c]).sum();
-    let noise = sides.iter().map(|(row, face)| (face.area / area * row.standard_error[c]).powi(2));
-    let noise = noise.sum::<f64>().sqrt();
+    let area: f64 = sides.iter().map(|&(_, f)| answer.faces[f].area).sum();
+    let patches = sides.iter().flat_map(|&(_, f)| answer.patches[f].clone());
+    let over: Vec<(usize, f64)> = patches.map(|i| (i, answer.areas[i] / area)).collect();
+    let part = |f: usize| answer.faces[f].area / area;
+    let expected = sides.iter().map(|&(row, f)| part(f) * row.mean[c]).sum();
+    let noise = sides.iter().map(|&(row, f)| (part(f) * row.standard_error[c]).powi(2)).sum::<f64>().sqrt();
     let channel = c.min(answer.irradiance.ncols() - 1);
     let mean = over.iter().map(|&(i, part)| part * answer.irradiance[(i, channel)]).sum();
     let error = answer.bars.standard_error_of_mean(mean, &over, |channels| channels[channel]);
@@ -195,17 +192,23 @@ fn against_another_renderer_bounds_hold_and_bars_cover_what_they_should() {
             let answer = answer(&tracer, count, rays, seed, Basis::Constant);
             let rms = RelativeRms::of(&answer.faces, &reference).value;
             let upper = answer.bars.budget.upper95;
-            assert!(upper < 4.0 * rms, "{name} {count} × {rays}: {rms}, bound {upper}");
+            assert!((0.5 * rms..4.0 * rms).contains(&upper), "{name} {count} × {rays}: {rms}, bound {upper}");
             exceeded += usize::from(rms > upper);
             let pairs = pairs(&reference, &answer);
-            for (row, face) in &pairs {
+            let (mut near, first) = (0, of_faces.all);
+            for &(row, f) in &pairs {
                 for c in (0..3).filter(|&c| row.standard_error[c] < 0.2 * row.mean[c]) {
-                    let channel = c.min(face.mean.len() - 1);
-                    let f = answer.faces.iter().position(|other| std::ptr::eq(other, *face)).unwrap();
+                    let channel = c.min(answer.irradiance.ncols() - 1);
+                    let off = answer.faces[f].mean[channel] - row.mean[c];
                     let error = answer.bars.faces[f].mean[channel].hypot(row.standard_error[c]);
-                    of_faces.add(face.mean[channel] - row.mean[c], error);
+                    near += usize::from(off.abs() < error);
+                    of_faces.add(off, error);
                 }
             }
+            let share = near as f64 / (of_faces.all - first) as f64;
+            // Faces of one answer err alike: with few rays a seed may be off on nearly all at once, as the
+            // second is here and there.
+            assert!(seed > 1 || (0.4..0.97).contains(&share), "{name} {count} × {rays}: {share} covered");
             for sides in by_object(&scene, &pairs) {
                 for c in 0..3 {
                     let [(expected, noise), (mean, error)] = means_over(&sides, &answer, c);
@@ -216,7 +219,7 @@ fn against_another_renderer_bounds_hold_and_bars_cover_what_they_should() {
         shares.push(of_faces.share());
     }
     // One in twenty may.
-    assert!(exceeded <= 2, "{exceeded} of {} exceeded", 6 * SEEDS);
+    assert!(exceeded <= 1, "{exceeded} of {} exceeded", 6 * SEEDS);
     // Where few faces see much of one another from nearby, as between the boxes, fewer bars hold.
     let mean = shares.iter().sum::<f64>() / shares.len() as f64;
     assert!(mean > 0.9 && shares.iter().all(|&share| share > 0.85), "{shares:?}");

@@ -59,6 +59,11 @@ impl Insight {
         if self.is_focused { FOCUSED * usually } else { usually }
     }
 
+    /// How many times less of it is left in a mean over so many patches than in one.
+    pub fn less(&self, patches: f64) -> f64 {
+        self.remains(1.0) / self.remains(patches)
+    }
+
     /// How many times more than estimated the mesh error may be, in nineteen of twenty cases. Where faces are
     /// cut but little, few patches can be merged, and little is told of the rest.
     pub fn at_most(&self) -> f64 {

@@ -145,10 +145,9 @@ impl ErrorBars {
         let (by_patch, insight) = Fields::of(patches, problem, solution, progress)?;
         let irradiance = problem.basis().means(&solution.irradiance);
         let faces = Faces::new(patches, &irradiance);
-        let less = |count: f64| insight.remains(1.0) / insight.remains(count);
         let by_face = by_patch.map(|field| faces.means(field)).averaged(|f| {
             let row = &faces.irradiance[f];
-            less(patches.patches_of(row.face, row.side).len() as f64)
+            insight.less(patches.patches_of(row.face, row.side).len() as f64)
         });
         let sizes = Sizes::of(&faces, &by_face, patches, &solution.report);
         let budget = sizes.budget(problem, &solution.report, insight);
@@ -169,7 +168,7 @@ impl ErrorBars {
                 received.rows.from_surfaces(&sent)
             };
             // Receivers see means over many patches.
-            let sent = by_patch.map(arriving).averaged(|_| less(f64::INFINITY));
+            let sent = by_patch.map(arriving).averaged(|_| insight.less(f64::INFINITY));
             ReceiverBars::new(received, sent, sizes.common())
         };
         let bars_of_receivers: Vec<ReceiverBars> = receivers.iter().map(of_receiver).collect();
@@ -208,7 +207,7 @@ impl ErrorBars {
         let at = |field: &DMatrix<f64>, i: usize| value(field.row(i).transpose().as_slice());
         let sum = |field: &DMatrix<f64>| over.iter().map(|&(i, part)| part * at(field, i)).sum::<f64>();
         let whole: f64 = over.iter().map(|&(_, part)| part).sum();
-        let less = self.insight.remains(1.0) / self.insight.remains(over.len() as f64);
+        let less = self.insight.less(over.len() as f64);
         let common = self.sizes.common() * mean;
         let left_out = self.sizes.left_out().map_or(0.0, |left_out| whole * value(left_out));
         (self.by_patch.squared(sum, less) + common * common + left_out * left_out).sqrt()
