@@ -5,7 +5,8 @@
 //! its one value, of linear ones its value at that place. Inside a patch the values of its three corners are
 //! interpolated linearly. A corner in the middle of a neighbouring patch's edge counts that patch as meeting
 //! there too, so that unlike cuts of two faces, or of two parts of one, leave no visible seam. Across
-//! creases, materials and the two sides of a sheet nothing is mixed.
+//! creases, materials and the two sides of a sheet nothing is mixed, nor where something stands between: of a
+//! floor, what is in a room, under its wall and in the next room.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -26,6 +27,11 @@ const SAME: f64 = 1e-6;
 
 /// Cosine of the angle between normals at which a surface has a crease: 30°.
 const CREASE: f64 = 0.866;
+
+/// Whether something stands between patches that meet is told a little within either and as far above it, as
+/// a part of the way to its centre; a ratio. Chosen: over all bends that are no creases, and below what stands
+/// on a floor.
+const INWARDS: f64 = 0.02;
 
 /// A field over patches, continuous within each smooth surface.
 #[derive(Clone, Debug)]
@@ -92,7 +98,11 @@ impl SmoothField {
             values: Vec::new(),
             weights: (0..patches.len()).into_par_iter().map(|i| to_weights(patches.corners(i))).collect(),
         };
-        for_each_surface_point(&corners, |members| smooth.add_point(&corners, members, (basis, field)));
+        for_each_surface_point(&corners, |members| {
+            for_each_open(tracer, patches, &corners, members, |members| {
+                smooth.add_point(&corners, members, (basis, field));
+            });
+        });
         smooth
     }
 
@@ -336,24 +346,59 @@ fn split_by_surface(corners: &[Corner], place: &mut [u32], found: &mut impl FnMu
         let (a, b) = (&corners[a as usize], &corners[b as usize]);
         a.surface == b.surface && a.normal.dot(b.normal) >= CREASE
     };
-    let mut rest = place;
+    for_each_chain(place, smooth, found);
+}
+
+/// Splits corners into chains of those that belong together, link by link.
+fn for_each_chain(
+    mut rest: &mut [u32],
+    together: impl Fn(u32, u32) -> bool,
+    mut found: impl FnMut(&mut Vec<u32>),
+) {
     while !rest.is_empty() {
-        // Grow the surface at the front of the slice until no corner of the rest joins it.
+        // Grow the chain at the front of the slice until no corner of the rest joins it.
         let (mut start, mut end) = (0, 1);
         while start < end && end < rest.len() {
             let first_left = end;
             for k in first_left..rest.len() {
-                if smooth(rest[start], rest[k]) {
+                if together(rest[start], rest[k]) {
                     rest.swap(end, k);
                     end += 1;
                 }
             }
             start += 1;
         }
-        let (surface, others) = rest.split_at_mut(end);
-        found(&mut surface.to_vec());
+        let (chain, others) = rest.split_at_mut(end);
+        found(&mut chain.to_vec());
         rest = others;
     }
+}
+
+/// Splits corners of a smooth surface at one place into those between which nothing stands.
+fn for_each_open(
+    tracer: &Tracer,
+    patches: &Patches,
+    corners: &[Corner],
+    members: &mut Vec<u32>,
+    mut found: impl FnMut(&mut Vec<u32>),
+) {
+    let face_of = |member: u32| patches.place(corners[member as usize].patch as usize).face;
+    let first = face_of(members[0]);
+    if patches.pieces(first) == 1 && members.iter().all(|&member| face_of(member) == first) {
+        return found(members);
+    }
+    let above = |member: u32| {
+        let corner = &corners[member as usize];
+        let Slot { face, side, .. } = patches.place(corner.patch as usize);
+        let [a, b, c] = patches.corners(corner.patch as usize).map(DVec2::from);
+        let centre = triangle::point(tracer.corners(face), ((a + b + c) / 3.0).into());
+        let inwards = INWARDS * (centre - corner.position);
+        (corner.position + inwards + tracer.normal(face, side) * inwards.length(), face as u32)
+    };
+    let is_open = |a: u32, b: u32| {
+        corners[a as usize].patch == corners[b as usize].patch || tracer.unoccluded(above(a), above(b))
+    };
+    for_each_chain(members, is_open, found);
 }
 
 #[cfg(test)]
@@ -428,10 +473,10 @@ mod tests {
 
     #[test]
     fn parts_of_a_face_cut_unlike_each_other_share_what_they_know_at_their_edge() {
-        // A sheet on a floor: the floor's parts meet along its foot, and on one side only there are patches
+        // A sheet just above a floor: the floor's parts meet below it, and on one side only there are patches
         // with their corners there.
         let floor = quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-        let sheet = quad([0.2, 0.3, 0.0], [0.5, 0.1, 0.0], [0.0, 0.0, 0.5]);
+        let sheet = quad([0.2, 0.3, 0.01], [0.5, 0.1, 0.0], [0.0, 0.0, 0.5]);
         let scene =
             triangles(&[floor, sheet].concat(), &[0; 4], vec![Material::lamp("wall", &[0.5], &[1.0])]);
         let tracer = Tracer::new(&scene);
@@ -451,6 +496,28 @@ mod tests {
             }
         }
         assert!(found > 10, "{found}");
+    }
+
+    #[test]
+    fn nothing_is_mixed_across_what_stands_on_a_surface() {
+        let floor = quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        let sheet = quad([0.0, 0.3, 0.0], [1.0, 0.1, 0.0], [0.0, 0.0, 0.5]);
+        let scene =
+            triangles(&[floor, sheet].concat(), &[0; 4], vec![Material::lamp("wall", &[0.5], &[1.0])]);
+        let tracer = Tracer::new(&scene);
+        let patches = cut(&tracer, 0.07, Reach::Light);
+        let beyond = |p: DVec3| p.y - 0.3 - 0.1 * p.x;
+        let field = from_centres(&patches, |p| if beyond(p) > 0.0 { 1.0 } else { 0.0 });
+        let smooth = SmoothField::new(&tracer, &patches, &field);
+        let mut at_the_foot = 0;
+        for patch in (0..patches.len()).filter(|&i| patches.place(i).face < 2) {
+            for point in smooth.corners(patch) {
+                assert_eq!(smooth.value(point)[0], field[patch], "patch {patch}");
+                let place = tracer.frame().to_world(smooth.points()[point as usize]);
+                at_the_foot += usize::from(beyond(place).abs() < 1e-9);
+            }
+        }
+        assert!(at_the_foot > 20, "{at_the_foot}");
     }
 
     /// The smoothed x + y along the line x + y = 1, as pairs of x and value.
