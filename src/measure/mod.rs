@@ -6,6 +6,7 @@
 
 mod accuracy;
 mod comparison;
+mod darkness;
 mod energy;
 mod error_bars;
 mod health;
@@ -24,6 +25,7 @@ pub use accuracy::{
 pub use comparison::{
     Agreement, AgreementTest, Comparison, Difference, MeshError, OrderOptions, OrderRow, RelativeRms, Worst,
 };
+pub use darkness::{DARK, Darkness};
 pub use energy::Energy;
 pub use error_bars::{BOUND_95, ErrorBars, ErrorBudget, ErrorPart, FITTED, Fitted, GroupError, ReceiverBars};
 pub use health::{

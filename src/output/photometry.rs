@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::table::{digits, write_columns};
-use crate::measure::{ErrorBars, ReceiverBars};
+use crate::measure::{Darkness, ErrorBars, ReceiverBars};
 use crate::patches::Patches;
 use crate::render::to_rgb;
 use crate::scene::{Light, Scene, luminance};
@@ -16,9 +16,10 @@ use crate::transport::Received;
 /// How a quantity is spread over some area or over some points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Levels {
-    /// Mean, weighted by area; of surfaces over the whole area of the sides that light reaches.
+    /// Mean, weighted by area; of surfaces over the whole area of the sides that are not
+    /// [dark](Darkness).
     pub mean: f64,
-    /// The lowest mean of a patch that light reaches, or value at a point.
+    /// The lowest mean of a patch that is not dark, or value at a point.
     pub minimum: f64,
     /// The highest.
     pub maximum: f64,
@@ -65,8 +66,8 @@ pub struct Photometry {
     pub kind: &'static str,
     /// Its name.
     pub name: String,
-    /// Area, m²: of the sides of faces that light reaches, lit or not, or of the receiver; none of a light
-    /// without area.
+    /// Area, m²: of the sides of faces that are not dark, lit all over or not, or of the receiver; none of a
+    /// light without area.
     pub area: Option<f64>,
     /// Luminous flux that it emits, lm; none of receivers and of suns, whose flux has no end.
     pub emitted: Option<f64>,
@@ -95,21 +96,41 @@ impl Photometry {
         let [lux, candelas] = [irradiance, radiance].map(|field| luminous(field, scene.efficacy()));
         let emitted = luminous(&patches.emitted_radiance(), scene.efficacy());
         assert!(lux.len() == patches.len() && candelas.len() == patches.len(), "one row per patch");
-        let dark_areas = patches.dark_areas();
+        let darkness = Darkness::of(patches, &lux);
+        let hidden: Vec<(usize, usize, f64)> = patches
+            .dark_areas()
+            .into_iter()
+            .map(|(face, side, area)| (face, patches.patches_of(face, side).start, area))
+            .collect();
         let groups = |kind, names: Vec<&str>, of: &dyn Fn(usize) -> u32| -> Vec<Self> {
             let mut members = vec![Vec::new(); names.len()];
             (0..patches.len()).for_each(|i| members[of(patches.place(i).face) as usize].push(i));
+            // Dark sides count only where there is nothing else.
+            for members in &mut members {
+                if members.iter().any(|&i| !darkness.sides[i]) {
+                    members.retain(|&i| !darkness.sides[i]);
+                }
+            }
             let mut dark = vec![0.0; names.len()];
-            dark_areas.iter().for_each(|&(face, _, area)| dark[of(face) as usize] += area);
+            for &(face, first, area) in &hidden {
+                let group = of(face) as usize;
+                let counts = members[group].binary_search(&first).is_ok();
+                dark[group] += if counts { area } else { 0.0 };
+            }
             let row = |((name, members), dark): ((&str, Vec<usize>), f64)| {
                 let lit: f64 = members.iter().map(|&i| patches.area(i)).sum();
                 let levels = |field: &DMatrix<f64>| {
-                    let levels = Levels::of(members.iter().map(|&i| (field[i], patches.area(i))))?;
+                    let of = |members: &mut dyn Iterator<Item = usize>| {
+                        Levels::of(members.map(|i| (field[i], patches.area(i))))
+                    };
+                    let all = of(&mut members.iter().copied())?;
                     // What is hidden counts in the mean alone: under the foot of a chair nobody looks for the
                     // lowest value.
-                    let mean = levels.mean * lit / (lit + dark);
-                    let uniformity = if mean > 0.0 { levels.minimum / mean } else { 0.0 };
-                    Some(Levels { mean, uniformity, ..levels })
+                    let seen =
+                        of(&mut members.iter().copied().filter(|&i| !darkness.patches[i])).unwrap_or(all);
+                    let mean = all.mean * lit / (lit + dark);
+                    let uniformity = if mean > 0.0 { seen.minimum / mean } else { 0.0 };
+                    Some(Levels { mean, uniformity, ..seen })
                 };
                 let flux = |&i: &usize| std::f64::consts::PI * patches.area(i) * emitted[i];
                 let illuminance = levels(&lux);

@@ -79,13 +79,14 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         accuracy::missed_receivers(&received, &bars, tolerated).for_each(|text| terminal.warn(text));
     }
     let energy = Energy::of(problem, &solution.radiance);
+    let error = bars.headline(|budget| budget.upper95);
     let verdict = Verdict::of(&Answer {
         tracer,
         patches: &patches,
         problem,
         solution,
         energy: &energy,
-        budget: Some(&bars.budget),
+        budget: Some(&error.budget),
         tolerance: args.solver.tolerance,
     });
     let pictures = job.draw(solution, &look)?;
@@ -128,7 +129,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         closure: *factors.exchange().closure(),
         photometry,
         undershoot: Undershoot::of(problem.operator().mass(), &solution.radiance),
-        error: bars.headline(|budget| budget.upper95),
+        error,
         error_of_all: bars.budget,
         errors: bars.groups,
         steps,

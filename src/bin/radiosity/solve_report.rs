@@ -24,7 +24,7 @@ pub fn text(summary: &Summary, scene: &Scene, factors: &FormFactors) -> String {
     lines.extend(undershoot(summary));
     lines.push(energy(&summary.energy));
     lines.push(format!("verdict       {}\n", verdict::phrase(&summary.verdict)));
-    lines.extend(errors(&summary.errors, summary.patches));
+    lines.extend(errors(&summary.errors, summary.patches, summary.error_of_all.irradiance));
     if !summary.photometry.is_empty() {
         lines.push(illuminances(&summary.photometry));
     }
@@ -158,8 +158,8 @@ const MOST_TOLD: usize = 5;
 
 /// A table of the objects, materials and receivers with the largest errors relative to their own light, where
 /// there are several.
-fn errors(all: &[GroupError], patches: usize) -> Option<String> {
-    let mut told: Vec<&GroupError> = all.iter().filter(|group| group.counts(patches)).collect();
+fn errors(all: &[GroupError], patches: usize, irradiance: f64) -> Option<String> {
+    let mut told: Vec<&GroupError> = all.iter().filter(|group| group.counts(patches, irradiance)).collect();
     told.sort_by(|a, b| b.budget.upper95.total_cmp(&a.budget.upper95));
     told.truncate(MOST_TOLD);
     let mut text = format!("  {:<28} {:>10} {:>12} {:>10}\n", "largest errors", "patches", "W/m2", "95 %");

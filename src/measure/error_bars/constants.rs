@@ -95,6 +95,10 @@ pub(super) const SIXTEEN_BATCHES: f64 = 2.131 / BOUND_95;
 /// The relative rounding of stored exchange areas; a pure number, by their format.
 pub(super) const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
 
+/// Rounding that may change irradiance by this part by the condition alone is looked at more closely; a pure
+/// number. Chosen, not fitted: a tenth of what usual settings aim at.
+pub(super) const NOTICEABLE: f64 = 1e-3;
+
 /// Rows of form factors that together lack less than this part of their sum lack nothing; a pure number.
 /// Chosen, not fitted.
 pub(super) const CLOSED: f64 = 1e-9;

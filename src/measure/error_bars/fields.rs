@@ -3,15 +3,15 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::constants::EIGHT_BATCHES;
+use super::constants::{CHANGE_TOLERANCE, EIGHT_BATCHES, NOTICEABLE, ROUNDING};
 use super::mesh::{Insight, Known, MeshError, mesh_error, unresolved};
 use super::noise::{self, Noise};
 use super::slack;
 use crate::measure::MeasureError;
 use crate::patches::Patches;
 use crate::progress::Progress;
-use crate::solve::{Problem, Solution};
-use crate::transport::variance_of_mean;
+use crate::solve::{Problem, Solution, roughly};
+use crate::transport::{FormFactors, Reflection, Transport, variance_of_mean};
 
 /// What each source of error does to irradiance, W·m⁻²: a row per patch, or per face and side, and a column
 /// per channel.
@@ -29,6 +29,8 @@ pub(super) struct Fields {
     pub unresolved: DMatrix<f64>,
     /// What rows of form factors lack that could not be closed; none where all close.
     pub missing: Option<DMatrix<f64>>,
+    /// The most that the rounding of stored form factors changes; none where it is little by the condition alone.
+    pub rounding: Option<DMatrix<f64>>,
 }
 
 impl Fields {
@@ -56,7 +58,8 @@ impl Fields {
         let merging = insight.remains(1.0) * by_merging;
         let unresolved = unresolved(patches, by_patch, &arriving);
         let missing = slack::missing(patches, by_patch, [&radiance, &irradiance])?;
-        Ok((Self { rays, lamps, merging, variation, unresolved, missing }, insight))
+        let rounding = rounding(patches, by_patch, &radiance, report.condition)?;
+        Ok((Self { rays, lamps, merging, variation, unresolved, missing, rounding }, insight))
     }
 
     /// The same after a linear map, such as means over faces.
@@ -69,6 +72,7 @@ impl Fields {
             variation: self.variation.each_ref().map(&map),
             unresolved: map(&self.unresolved),
             missing: self.missing.as_ref().map(&map),
+            rounding: self.rounding.as_ref().map(&map),
         }
     }
 
@@ -109,4 +113,22 @@ impl Fields {
     pub fn missing_squared(&self, at: (usize, usize)) -> f64 {
         self.missing.as_ref().map_or(0.0, |missing| missing[at]).powi(2)
     }
+}
+
+/// The most that rounding each form factor by the same part changes irradiance (n × c, W·m⁻²): to first order
+/// that part of what arrives from surfaces, of what that becomes by reflection once more, and so on. Where next
+/// to nothing absorbs the condition is large, but often little light is there; none where it is small.
+fn rounding(
+    patches: &Patches,
+    by_patch: &FormFactors,
+    radiance: &DMatrix<f64>,
+    condition: f64,
+) -> Result<Option<DMatrix<f64>>, MeasureError> {
+    if ROUNDING * condition < NOTICEABLE {
+        return Ok(None);
+    }
+    let k = Transport::new(by_patch, Reflection::of(patches))?;
+    let arriving = k.irradiance(radiance);
+    let reflected = roughly(&k, &k.reflect(&arriving), CHANGE_TOLERANCE, Progress::default())?;
+    Ok(Some(ROUNDING * (arriving + k.irradiance(&reflected))))
 }

@@ -7,6 +7,7 @@ use super::ErrorBudget;
 use super::constants::LEAST_PATCHES;
 use super::faces::Faces;
 use super::fields::Fields;
+use crate::measure::DARK;
 use crate::patches::Patches;
 
 /// How wrong irradiance is by face on an object or a material, or at the points of a receiver, relative to
@@ -34,21 +35,27 @@ impl GroupError {
     /// Points of a receiver.
     pub const RECEIVER: &'static str = "receiver";
 
-    /// Whether it is large enough to speak for a scene of so many patches; receivers always are.
-    pub fn counts(&self, patches: usize) -> bool {
-        self.kind == Self::RECEIVER || self.patches as f64 >= LEAST_PATCHES * patches as f64
+    /// Whether it is large enough to speak for a scene of so many patches, receivers always are, and has light
+    /// that is more than darkness beside the scene's root mean square irradiance.
+    pub fn counts(&self, patches: usize, irradiance: f64) -> bool {
+        let is_large = self.kind == Self::RECEIVER || self.patches as f64 >= LEAST_PATCHES * patches as f64;
+        is_large && self.budget.irradiance > DARK * irradiance
     }
 }
 
-/// The object or receiver whose error is the largest by `size`, of those that count and have light.
+/// The object or receiver whose error is the largest by `size`, of those that count in a scene of so many
+/// patches and so much irradiance.
 pub(super) fn worst(
     groups: &[GroupError],
-    patches: usize,
+    (patches, irradiance): (usize, f64),
     size: impl Fn(&ErrorBudget) -> f64,
 ) -> Option<&GroupError> {
-    let is_lit = |group: &&GroupError| group.budget.irradiance > 0.0 && group.budget.upper95.is_finite();
-    let counts = |group: &&GroupError| group.kind != GroupError::MATERIAL && group.counts(patches);
-    let candidates = groups.iter().filter(counts).filter(is_lit);
+    let counts = |group: &&GroupError| {
+        group.kind != GroupError::MATERIAL
+            && group.counts(patches, irradiance)
+            && group.budget.upper95.is_finite()
+    };
+    let candidates = groups.iter().filter(counts);
     candidates.max_by(|a, b| size(&a.budget).total_cmp(&size(&b.budget)))
 }
 

@@ -214,8 +214,8 @@ impl ErrorBars {
     }
 
     /// What speaks for the answer: the error of the object or receiver whose own is the largest by `size`, of
-    /// those with light that have a hundredth of all patches; of all faces where there are none, or where all
-    /// are one object.
+    /// those with more light than [darkness](super::DARK) that have a hundredth of all patches; of all faces
+    /// where there are none, or where all are one object.
     pub fn headline(&self, size: impl Fn(&ErrorBudget) -> f64) -> GroupError {
         let patches = self.patches.nrows();
         let all = || GroupError {
@@ -226,6 +226,9 @@ impl ErrorBars {
         };
         let objects = self.groups.iter().filter(|group| group.kind == GroupError::OBJECT).count();
         let speaks = |group: &&GroupError| objects > 1 || group.kind != GroupError::OBJECT;
-        worst(&self.groups, patches, size).filter(speaks).cloned().unwrap_or_else(all)
+        worst(&self.groups, (patches, self.budget.irradiance), size)
+            .filter(speaks)
+            .cloned()
+            .unwrap_or_else(all)
     }
 }

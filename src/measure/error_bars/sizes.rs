@@ -18,6 +18,8 @@ pub(super) struct Sizes {
     lamps: f64,
     /// None where all rows of form factors close.
     slack: Option<f64>,
+    /// Rounding of stored form factors, as far as it was looked at.
+    rounding: Option<f64>,
     /// What the solver left out.
     solver: f64,
     /// The same per channel, W·m⁻².
@@ -48,6 +50,10 @@ impl Sizes {
             rays,
             lamps,
             slack: is_short.then(|| faces.relative(|f, c| fields.missing_squared((f, c)))),
+            rounding: fields
+                .rounding
+                .as_ref()
+                .map(|rounding| faces.relative(|f, c| rounding[(f, c)].powi(2))),
             solver: faces.relative(|_, c| left_out[c].powi(2)),
             left_out,
             is_truncated: report.truncated,
@@ -65,7 +71,11 @@ impl Sizes {
     pub fn budget(&self, problem: &Problem, report: &Report, insight: Insight) -> ErrorBudget {
         let &Self { mesh, rays, lamps, solver, scatter, irradiance, .. } = self;
         let [truncation, solving] = if self.is_truncated { [solver, 0.0] } else { [0.0, solver] };
-        let storage = ROUNDING * report.condition;
+        let most = ROUNDING * report.condition;
+        let (storage, stored) = match self.rounding {
+            Some(rounding) if rounding < most => (rounding, Certainty::Estimated),
+            _ => (most, report.certainty),
+        };
         let part = |name, value, kind| ErrorPart { name, value, kind };
         let mut parts = vec![
             part(ErrorPart::MESH, mesh, Certainty::Estimated),
@@ -73,7 +83,7 @@ impl Sizes {
             part(ErrorPart::LAMPS, lamps, Certainty::Estimated),
             part(ErrorPart::TRUNCATION, truncation, report.certainty),
             part(ErrorPart::SOLVER, solving, report.certainty),
-            part(ErrorPart::STORAGE, storage, report.certainty),
+            part(ErrorPart::STORAGE, storage, stored),
         ];
         parts.extend(self.slack.map(|slack| part(ErrorPart::SLACK, slack, Certainty::Estimated)));
         let slack = self.slack.unwrap_or(0.0);

@@ -92,6 +92,8 @@ pub enum Cause {
     Overlap,
     /// The two directions between sides of faces disagree by more than their noise.
     Directions,
+    /// The error bars are so wide that they tell little.
+    Uncertain,
 }
 
 impl Cause {
@@ -110,6 +112,7 @@ impl Cause {
             Self::NoRays => "patches without rays",
             Self::Overlap => "overlapping faces",
             Self::Directions => "directions that disagree",
+            Self::Uncertain => "wide error bars",
         }
     }
 
@@ -138,6 +141,7 @@ impl Cause {
                 "the smaller surface is taken to be on top; move one out of the plane if another order is meant"
             }
             Self::Directions => "separate faces there that touch or overlap (`radiosity check`)",
+            Self::Uncertain => "take more --patches or --rays, or set --accuracy: `error` says which helps",
         }
     }
 }
@@ -212,7 +216,7 @@ pub struct Answer<'a> {
     pub solution: &'a Solution,
     /// Where the power goes.
     pub energy: &'a Energy,
-    /// How wrong irradiance is said to be, if that is known.
+    /// How wrong irradiance is said to be, of all faces or of what speaks for the answer, if that is known.
     pub budget: Option<&'a ErrorBudget>,
     /// The [tolerance](crate::solve#tolerance) that iterations were to meet.
     pub tolerance: f64,
@@ -257,9 +261,23 @@ impl Verdict {
             reasons.extend(light::overlaps(answer));
             reasons.extend(light::directions(answer));
         }
+        // Bounds that are no bounds have been named.
+        if reasons.iter().all(|reason| !matches!(reason.cause, Cause::NotFinite | Cause::Unbounded)) {
+            reasons.extend(light::uncertain(answer));
+        }
+        Self::from_reasons(reasons)
+    }
+
+    /// The worst of some reasons decides.
+    fn from_reasons(mut reasons: Vec<Reason>) -> Self {
         reasons.sort_by_key(|reason| std::cmp::Reverse(reason.level));
         let level = reasons.first().map_or(Level::Good, |reason| reason.level);
         Self { level, reasons }
+    }
+
+    /// The same verdict but for one cause.
+    pub fn without(self, cause: Cause) -> Self {
+        Self::from_reasons(self.reasons.into_iter().filter(|reason| reason.cause != cause).collect())
     }
 
     /// Names of the causes, in one phrase.
