@@ -1,9 +1,11 @@
 //! Pixels: a picture in linear light, read between its texels and averaged over triangles.
 //!
 //! Texel (i, j) lies at (i + ½, j + ½), rows from the top. In between the picture is bilinear, and so exactly
-//! integrable: a triangle is cut along the lines that join texels, and over each piece, where the picture is
-//! quadratic along any line, the mean of the middles of a triangle's edges is exact.
+//! integrable: over a cell between four texels its mean is theirs, and where a triangle covers a part of a cell
+//! that part is cut into triangles, over which, as the picture is quadratic along any line, the mean of the
+//! middles of the edges is exact.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -126,7 +128,10 @@ impl Pixels {
         let mut sum = [0.0; 3];
         for row in whole.range(1) {
             let strip = whole.clipped(1, row);
-            for column in strip.range(0) {
+            let inside = whole.cells_inside(row);
+            let cells = self.sum_of_cells(row as i64, inside.clone(), beyond);
+            sum.iter_mut().zip(cells).for_each(|(sum, cells)| *sum += cells * area.signum());
+            for column in strip.range(0).filter(|&column| !inside.contains(&(column as i64))) {
                 let cell = DVec2::new(column, row);
                 let corners = self.corners(cell, beyond);
                 let value = |place: DVec2| self.in_cell(cell, corners, place);
@@ -136,6 +141,29 @@ impl Pixels {
         }
         // Rounding must not carry a mean beyond what it is of.
         [0, 1, 2].map(|c| (sum[c] / area).clamp(0.0, self.highest[c]))
+    }
+
+    /// The integral over cells of a row.
+    fn sum_of_cells(&self, row: i64, cells: Range<i64>, [beside, above]: [Beyond; 2]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        if cells.is_empty() {
+            return sum;
+        }
+        let rows = [row, row + 1].map(|row| above.place(row, self.height) * self.width);
+        let mut place = beside.place(cells.start, self.width);
+        for column in cells.start..=cells.end {
+            // Texels between two cells belong to both.
+            let weight = if column == cells.start || column == cells.end { 0.25 } else { 0.5 };
+            for texel in rows.map(|row| self.texels[row + place]) {
+                sum.iter_mut().zip(texel).for_each(|(sum, value)| *sum += weight * f64::from(value));
+            }
+            place = match beside {
+                Beyond::Repeat if place + 1 == self.width => 0,
+                Beyond::Repeat => place + 1,
+                Beyond::Clamp => beside.place(column + 1, self.width),
+            };
+        }
+        sum
     }
 
     /// The four texels around a cell: upper left and right, lower left and right.
@@ -193,6 +221,28 @@ impl Polygon {
         let first = low.floor();
         let count = if high > low { (high.ceil() - first).max(1.0) as usize } else { 0 };
         (0..count).map(move |k| first + k as f64)
+    }
+
+    /// The cells of a row that lie within it as a whole.
+    fn cells_inside(&self, row: f64) -> Range<i64> {
+        let [[low, high], [from, to]] = [row, row + 1.0].map(|height| self.chord(height));
+        let (first, end) = (low.max(from).ceil(), high.min(to).floor());
+        if first < end { first as i64..end as i64 } else { 0..0 }
+    }
+
+    /// Where the line at a height enters and leaves it; where it misses the first is the greater.
+    fn chord(&self, height: f64) -> [f64; 2] {
+        let corners = self.corners();
+        let mut chord = [f64::INFINITY, f64::NEG_INFINITY];
+        for (k, from) in corners.iter().enumerate() {
+            let to = corners[(k + 1) % corners.len()];
+            let [here, there] = [from.y - height, to.y - height];
+            if here * there <= 0.0 && here != there {
+                let x = from.x + (to.x - from.x) * (here / (here - there));
+                chord = [chord[0].min(x), chord[1].max(x)];
+            }
+        }
+        chord
     }
 
     /// The part between `from` and `from` + 1 along an axis.
