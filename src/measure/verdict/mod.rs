@@ -261,8 +261,11 @@ impl Verdict {
             reasons.extend(light::overlaps(answer));
             reasons.extend(light::directions(answer));
         }
-        // Bounds that are no bounds have been named.
-        if reasons.iter().all(|reason| !matches!(reason.cause, Cause::NotFinite | Cause::Unbounded)) {
+        // What bounds nothing, or is short by what later orders add, has been named.
+        if reasons
+            .iter()
+            .all(|reason| !matches!(reason.cause, Cause::NotFinite | Cause::Unbounded | Cause::Truncation))
+        {
             reasons.extend(light::uncertain(answer));
         }
         Self::from_reasons(reasons)

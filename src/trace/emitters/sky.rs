@@ -7,11 +7,12 @@ use glam::{DMat3, DVec3};
 
 use super::environment::EnvironmentSampler;
 use crate::scene::{Environment, Sky, SkyKind, SkyShares, triangle};
-use crate::trace::apertures::{ApertureView, Apertures};
+use crate::trace::apertures::ApertureView;
 use crate::trace::sampling::{
-    Discrete, SEQUENCE_END, cosine_hemisphere, cosine_hemisphere_pdf, frame_around, uniform_triangle,
+    Discrete, SEQUENCE_END, Stream, cosine_hemisphere, cosine_hemisphere_pdf, frame_around, uniform_triangle,
 };
 use crate::trace::solid_angle::target;
+use crate::trace::{Ray, Tracer};
 
 /// Cells of equal solid angle by which brightness is known: rings from zenith to nadir, and parts of each.
 const RINGS: usize = 64;
@@ -77,11 +78,18 @@ const FROM_APERTURES: f64 = 0.5;
 /// a number. Chosen, not fitted: there are few of these.
 const MORE_RAYS: u32 = 8;
 
+/// Rays into the sky by which a place is judged, and how many of them must pass for it to lie open: then it
+/// needs no apertures. Numbers, chosen and not fitted: where a quarter of rays pass, few do.
+const GLANCES: [u32; 2] = [8, 2];
+
 impl SkyView {
-    /// The sky as it is looked for from a flat surface with these corners, or this one point, and this
-    /// normal.
-    pub fn over(apertures: &Apertures, corners: &[DVec3], normal: DVec3) -> Self {
-        Self { apertures: apertures.view(corners, normal), normal }
+    /// The sky as it is looked for from a flat surface of a face with these corners, or this one point, and
+    /// this normal.
+    pub fn over(tracer: &Tracer, sky: &SkySampler, (corners, face): (&[DVec3], u32), normal: DVec3) -> Self {
+        let apertures = tracer.apertures();
+        let needs_none = apertures.is_empty() || is_open(tracer, sky, (corners, face), normal);
+        let apertures = if needs_none { ApertureView::none() } else { apertures.view(corners, normal) };
+        Self { apertures, normal }
     }
 
     /// Rays to be drawn over a triangle, where others have so many.
@@ -146,6 +154,25 @@ impl SkyView {
         let by_sky = sky.pdf_of(cosine, direction);
         (1.0 - TO_APERTURES) * by_sky + TO_APERTURES * self.apertures.pdf(point, direction)
     }
+}
+
+/// Whether a good part of the sky is seen from a place.
+fn is_open(tracer: &Tracer, sky: &SkySampler, (corners, face): (&[DVec3], u32), normal: DVec3) -> bool {
+    let [glances, enough] = GLANCES;
+    let sequence = Stream::OpenSky.sequence(0, 0, 0);
+    let mut left = vec![1.0; tracer.scene().channels()];
+    let passes = |&k: &u32| {
+        let [s, t, u, v] = sequence.point(k);
+        let origin = match *corners {
+            [a, b, c] => triangle::point(&[a, b, c], uniform_triangle([s, t])),
+            _ => corners[0],
+        };
+        let beam = sky.sample(normal, [u, v]);
+        left.fill(1.0);
+        let ray = Ray { origin, direction: beam.direction, from: face };
+        beam.weight > 0.0 && tracer.passes(&ray, f64::INFINITY, &mut left)
+    };
+    (0..glances).filter(passes).take(enough as usize).count() == enough as usize
 }
 
 impl SkySampler {
