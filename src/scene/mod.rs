@@ -14,6 +14,7 @@ mod light;
 mod material;
 mod photometry;
 mod receiver;
+mod spelled;
 pub(crate) mod triangle;
 
 use std::io::Read;

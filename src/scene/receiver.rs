@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_1_PI;
 use glam::DVec3;
 
 use super::is_near;
+use super::spelled::spelled;
 
 /// A work plane or sensor grid: the middles of the cells of a parallelogram.
 #[derive(Clone, Debug, PartialEq)]
@@ -126,12 +127,13 @@ impl Receiver {
             return Err("normal and axis must be three finite numbers that are not all 0".into());
         }
         if !(self.maintenance > 0.0 && self.maintenance <= 1.0) {
-            return Err(format!("maintenance {} must be more than 0 and at most 1", self.maintenance));
+            let maintenance = spelled(self.maintenance);
+            return Err(format!("maintenance {maintenance} must be more than 0 and at most 1"));
         }
         let count = self.counts[0].checked_mul(self.counts[1]).filter(|count| (1..=MOST).contains(count));
         count.ok_or_else(|| format!("points must be 1 to {MOST} in all"))?;
         if !(self.margin >= 0.0 && self.inner().any(|is_inner| is_inner)) {
-            return Err(format!("margin {} must be 0 or more, and leave a point", self.margin));
+            return Err(format!("margin {} m must be 0 or more, and leave a point", spelled(self.margin)));
         }
         Ok(())
     }

@@ -181,7 +181,7 @@ fn what_is_wrong_with_an_environment_is_named() {
     refused(SKY, Some(broken), 1, &["column 3, row 1", "NaN"]);
     refused(SKY, Some(exr(4, 2, |_, _| [0.0, -1.0, 0.0])), 1, &["not negative"]);
     refused(&format!("{SKY}up = [0, 0, 0]\n"), Some(exr(4, 2, even)), 4, &["up"]);
-    refused(&format!("{SKY}scale = -1\n"), Some(exr(4, 2, even)), 1, &["not negative"]);
+    refused(&format!("{SKY}scale = -1\n"), Some(exr(4, 2, even)), 4, &["scale -1:", "not negative"]);
     refused(&format!("{SKY}scale = 1\nluminance = 5\n"), Some(exr(4, 2, even)), 1, &["no more than one of"]);
     let below = exr(4, 2, |_, j| [j as f32; 3]);
     // What is interpolated reaches above the horizon; a single dark half does not.

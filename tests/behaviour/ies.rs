@@ -203,7 +203,7 @@ fn broken_luminaires_are_named() {
         1,
         &["one of the two"],
     );
-    refused("position = [0, 1, 0]\ndirection = [0, -1, 0]\nscale = -1", 1, &["not negative"]);
+    refused("position = [0, 1, 0]\ndirection = [0, -1, 0]\nscale = -1", 6, &["scale -1:", "not negative"]);
     let scratch = Scratch::with(&[("a.obj", OBJ), ("a.mtl", "newmtl m\nKd 0.5\n")]);
     let settings =
         "[[light]]\nkind = \"ies\"\nfile = \"lamp.ies\"\nposition = [0, 1, 0]\ndirection = [0, -1, 0]\n";

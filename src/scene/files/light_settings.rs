@@ -14,19 +14,21 @@ use serde::Deserialize;
 
 use super::beside::Beside;
 use super::colour::Colour;
+use super::list::{List, Vector};
 use super::picture_file;
 use super::text::decode;
 use crate::scene::light::{
     Environment, GeneralSky, IntensityTable, SPHERE, Sky, SkyKind, check_power, spot_solid_angle,
 };
 use crate::scene::photometry::luminance;
-use crate::scene::{Light, Pixels};
+use crate::scene::spelled::{listed, spelled};
+use crate::scene::{FARTHEST, LARGEST, Light, Pixels, is_near};
 
 #[derive(Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub(crate) enum LightSettings {
     Point {
-        position: [f64; 3],
+        position: Vector,
         intensity: Option<Colour>,
         luminous_intensity: Option<f64>,
         flux: Option<Colour>,
@@ -35,9 +37,9 @@ pub(crate) enum LightSettings {
         colour: Option<Colour>,
     },
     Spot {
-        position: [f64; 3],
-        target: Option<[f64; 3]>,
-        direction: Option<[f64; 3]>,
+        position: Vector,
+        target: Option<Vector>,
+        direction: Option<Vector>,
         cone: f64,
         #[serde(default)]
         penumbra: f64,
@@ -50,17 +52,17 @@ pub(crate) enum LightSettings {
     },
     Ies {
         file: PathBuf,
-        position: [f64; 3],
-        target: Option<[f64; 3]>,
-        direction: Option<[f64; 3]>,
-        up: Option<[f64; 3]>,
+        position: Vector,
+        target: Option<Vector>,
+        direction: Option<Vector>,
+        up: Option<Vector>,
         scale: Option<f64>,
         luminous_flux: Option<f64>,
         #[serde(alias = "color")]
         colour: Option<Colour>,
     },
     Sun {
-        direction: [f64; 3],
+        direction: Vector,
         /// 0 if not given: a shadow without an edge.
         #[serde(default)]
         diameter: f64,
@@ -76,7 +78,7 @@ pub(crate) enum LightSettings {
 pub(crate) enum SkySettings {
     Constant {
         #[serde(default = "y_up")]
-        up: [f64; 3],
+        up: Vector,
         /// If not given the sky shines from below, too.
         ground: Option<f64>,
         radiance: Option<Colour>,
@@ -88,7 +90,7 @@ pub(crate) enum SkySettings {
     },
     Overcast {
         #[serde(default = "y_up")]
-        up: [f64; 3],
+        up: Vector,
         #[serde(default)]
         ground: f64,
         radiance: Option<Colour>,
@@ -102,8 +104,8 @@ pub(crate) enum SkySettings {
     Cie {
         r#type: usize,
         #[serde(default = "y_up")]
-        up: [f64; 3],
-        sun: Option<[f64; 3]>,
+        up: Vector,
+        sun: Option<Vector>,
         #[serde(default)]
         ground: f64,
         radiance: Option<Colour>,
@@ -116,7 +118,7 @@ pub(crate) enum SkySettings {
     Environment {
         file: PathBuf,
         #[serde(default = "y_up")]
-        up: [f64; 3],
+        up: Vector,
         /// Degrees.
         #[serde(default)]
         turn: f64,
@@ -127,8 +129,8 @@ pub(crate) enum SkySettings {
     },
     Clear {
         #[serde(default = "y_up")]
-        up: [f64; 3],
-        sun: [f64; 3],
+        up: Vector,
+        sun: Vector,
         #[serde(default)]
         ground: f64,
         radiance: Option<Colour>,
@@ -161,7 +163,7 @@ impl LightSettings {
             Self::Point { position, intensity, luminous_intensity, flux, luminous_flux, colour } => {
                 let amounts = by_intensity([intensity, flux], [*luminous_intensity, *luminous_flux], SPHERE);
                 let intensity = one_of(&amounts, colour.as_ref(), efficacy)?;
-                Light::Point { position: DVec3::from(*position) * unit, intensity }
+                Light::Point { position: place(position, unit)?, intensity }
             }
             Self::Spot {
                 position,
@@ -175,11 +177,11 @@ impl LightSettings {
                 luminous_flux,
                 colour,
             } => {
-                let direction = aim(position, target, direction)?;
+                let direction = aim(position, target.as_ref(), direction.as_ref())?;
                 let sent = spot_solid_angle(*cone, *penumbra);
                 let amounts = by_intensity([intensity, flux], [*luminous_intensity, *luminous_flux], sent);
                 Light::Spot {
-                    position: DVec3::from(*position) * unit,
+                    position: place(position, unit)?,
                     direction,
                     intensity: one_of(&amounts, colour.as_ref(), efficacy)?,
                     cone: *cone,
@@ -187,21 +189,35 @@ impl LightSettings {
                 }
             }
             Self::Ies { file, position, target, direction, up: c0, scale, luminous_flux, colour } => {
-                let direction = aim(position, target, direction)?;
+                let direction = aim(position, target.as_ref(), direction.as_ref())?;
                 let table = intensity_table(file, world)?;
+                for (key, amount) in [("scale", scale), ("luminous_flux", luminous_flux)] {
+                    check_amount(key, *amount)?;
+                }
                 let from_down = direction.dot(-world.up).clamp(-1.0, 1.0).acos().to_degrees();
                 let factor = match (scale, luminous_flux) {
                     (Some(_), Some(_)) => return Err("give scale or luminous_flux, one of the two".into()),
-                    (None, Some(lumens)) => lumens / table.flux(),
+                    (None, Some(lumens)) if table.flux() > 0.0 => lumens / table.flux(),
+                    (None, Some(_)) => return Err("luminous_flux: every intensity in the file is 0".into()),
                     (scale, None) => scale.unwrap_or(1.0) * table.tilt_factor(from_down),
                 };
                 let colour = of_luminance_one(colour.as_ref())?;
-                let c0 = c0.map_or_else(|| default_c0(direction), DVec3::from);
+                let c0 = c0.as_ref().map_or(Ok(default_c0(direction)), |up| unit_vector("up", up))?;
+                let intensity: Vec<f64> =
+                    colour.iter().map(|x| x * factor * table.highest() / efficacy).collect();
+                let given = if luminous_flux.is_some() { "luminous_flux" } else { "scale" };
+                check_made(given, &intensity)?;
+                let c0 = (c0 - direction * c0.dot(direction)).normalize_or_zero();
+                if c0 == DVec3::ZERO {
+                    return Err(
+                        "up is the direction of the light, or its opposite; give one across it".into()
+                    );
+                }
                 Light::Ies {
-                    position: DVec3::from(*position) * unit,
+                    position: place(position, unit)?,
                     direction,
-                    c0: (c0 - direction * c0.dot(direction)).normalize_or_zero(),
-                    intensity: colour.iter().map(|x| x * factor * table.highest() / efficacy).collect(),
+                    c0,
+                    intensity,
                     table: Arc::new(table),
                 }
             }
@@ -211,7 +227,7 @@ impl LightSettings {
                     Amount::lumens("illuminance", *illuminance, 1.0),
                 ];
                 Light::Sun {
-                    direction: DVec3::from(*direction).normalize_or_zero(),
+                    direction: unit_vector("direction", direction)?,
                     diameter: *diameter,
                     irradiance: one_of(&amounts, colour.as_ref(), efficacy)?,
                 }
@@ -236,21 +252,44 @@ fn by_intensity<'a>(
     ]
 }
 
-/// A unit vector, or zero, from a target or a direction.
-fn aim(
-    position: &[f64; 3],
-    target: &Option<[f64; 3]>,
-    direction: &Option<[f64; 3]>,
-) -> Result<DVec3, String> {
+/// A place, in metres.
+fn place(position: &Vector, unit: f64) -> Result<DVec3, String> {
+    let place = DVec3::from(position.0) * unit;
+    let wrong =
+        || format!("position {} must be finite, no coordinate beyond {FARTHEST:e} m", listed(position.0));
+    is_near(place).then_some(place).ok_or_else(wrong)
+}
+
+/// The direction that a key gives.
+fn unit_vector(key: &str, given: &Vector) -> Result<DVec3, String> {
+    let vector = DVec3::from(given.0);
+    let plain = vector.normalize_or_zero();
+    // Of very long and very short ones the square of the length is no number.
+    let scaled = || (vector / vector.abs().max_element()).normalize_or_zero();
+    let unit = if plain == DVec3::ZERO { scaled() } else { plain };
+    let wrong =
+        || format!("{key} {} is no direction; give three finite numbers that are not all 0", listed(given.0));
+    (unit != DVec3::ZERO).then_some(unit).ok_or_else(wrong)
+}
+
+/// A unit vector from a target or a direction.
+fn aim(position: &Vector, target: Option<&Vector>, direction: Option<&Vector>) -> Result<DVec3, String> {
     match (target, direction) {
-        (Some(target), None) => Ok((DVec3::from(*target) - DVec3::from(*position)).normalize_or_zero()),
-        (None, Some(direction)) => Ok(DVec3::from(*direction).normalize_or_zero()),
+        (Some(target), None) => {
+            let towards = (DVec3::from(target.0) - DVec3::from(position.0)).normalize_or_zero();
+            let wrong = || {
+                let [position, target] = [position, target].map(|point| listed(point.0));
+                format!("target {target} is no way from position {position}; move one of them")
+            };
+            (towards != DVec3::ZERO).then_some(towards).ok_or_else(wrong)
+        }
+        (None, Some(direction)) => unit_vector("direction", direction),
         _ => Err("aim it by target or by direction, one of the two".into()),
     }
 }
 
-fn y_up() -> [f64; 3] {
-    [0.0, 1.0, 0.0]
+fn y_up() -> Vector {
+    List([0.0, 1.0, 0.0])
 }
 
 /// Where horizontal angle 0 points if nothing is said: along x, or along z if the luminaire's axis nearly
@@ -278,7 +317,7 @@ impl SkySettings {
         let efficacy = world.efficacy;
         let (mut sky, [radiance, irradiance], [luminance, illuminance], colour) = match self {
             Self::Constant { up, ground, radiance, luminance, irradiance, illuminance, colour } => {
-                let up = DVec3::from(*up).normalize_or_zero();
+                let up = unit_vector("up", up)?;
                 // Over ground it is the even one of the general skies.
                 let even = || GeneralSky::new(EVEN, up).map_or(SkyKind::Constant, SkyKind::General);
                 let kind = if ground.is_some() { even() } else { SkyKind::Constant };
@@ -286,13 +325,13 @@ impl SkySettings {
                 (sky, [radiance, irradiance], [luminance, illuminance], colour)
             }
             Self::Cie { r#type, up, sun, ground, radiance, luminance, irradiance, illuminance, colour } => {
-                let up = DVec3::from(*up).normalize_or_zero();
-                let kind = general_sky(*r#type, up, *sun)?;
+                let up = unit_vector("up", up)?;
+                let kind = general_sky(*r#type, up, sun.as_ref())?;
                 let sky = Sky { kind, up, zenith: vec![0.0; 3], ground: *ground };
                 (sky, [radiance, irradiance], [luminance, illuminance], colour)
             }
             Self::Overcast { up, ground, radiance, luminance, irradiance, illuminance, colour } => {
-                let up = DVec3::from(*up).normalize_or_zero();
+                let up = unit_vector("up", up)?;
                 let sky = Sky { kind: SkyKind::Overcast, up, zenith: vec![0.0; 3], ground: *ground };
                 (sky, [radiance, irradiance], [luminance, illuminance], colour)
             }
@@ -303,16 +342,16 @@ impl SkySettings {
                     ("irradiance", *irradiance, Value::OfGround(1.0)),
                     ("illuminance", *illuminance, Value::OfGround(efficacy)),
                 ];
-                let up = DVec3::from(*up).normalize_or_zero();
+                let up = unit_vector("up", up)?;
                 let pixels = environment_picture(file, world)?;
                 if !turn.is_finite() {
-                    return Err(format!("turn {turn} must be a number of degrees"));
+                    return Err(format!("turn {turn} must be a finite number of degrees"));
                 }
                 return environment(Environment::new(pixels, up, *turn), up, &amounts);
             }
             Self::Clear { up, sun, ground, radiance, luminance, irradiance, illuminance, colour } => {
-                let up = DVec3::from(*up).normalize_or_zero();
-                let kind = SkyKind::Clear { sun: DVec3::from(*sun).normalize_or_zero() };
+                let up = unit_vector("up", up)?;
+                let kind = SkyKind::Clear { sun: unit_vector("sun", sun)? };
                 let sky = Sky { kind, up, zenith: vec![0.0; 3], ground: *ground };
                 (sky, [radiance, irradiance], [luminance, illuminance], colour)
             }
@@ -335,12 +374,12 @@ impl SkySettings {
 const EVEN: usize = 5;
 
 /// A CIE sky by its number.
-fn general_sky(number: usize, up: DVec3, sun: Option<[f64; 3]>) -> Result<SkyKind, String> {
+fn general_sky(number: usize, up: DVec3, sun: Option<&Vector>) -> Result<SkyKind, String> {
     let most = GeneralSky::TYPES;
     if number == most + 1 {
         return Ok(SkyKind::Overcast);
     }
-    let towards = sun.map_or(up, |sun| DVec3::from(sun).normalize_or_zero());
+    let towards = sun.map_or(Ok(up), |sun| unit_vector("sun", sun))?;
     let sky = GeneralSky::new(number, towards).ok_or_else(|| {
         format!("type {number} must be 1 to {most}, or {} for the traditional overcast sky", most + 1)
     })?;
@@ -399,7 +438,9 @@ fn environment(
         if unit == 0.0 {
             return Err(format!("{key}: nothing above the horizon is bright; give scale instead"));
         }
+        check_amount(key, Some(number))?;
         sky.zenith = vec![number / unit; 3];
+        check_made(key, &sky.zenith)?;
     }
     sky.check(3)?;
     Ok(sky)
@@ -439,14 +480,36 @@ fn one_of(amounts: &[Amount], colour: Option<&Colour>, efficacy: f64) -> Result<
         Power::Lumens(lumens) => vec![*lumens],
     };
     check_power(&numbers, numbers.len()).map_err(|message| format!("{} {message}", amount.key))?;
-    match value {
+    let made: Vec<f64> = match value {
         Power::Watts(_) if colour.is_some() => {
-            Err(format!("{} has a colour of its own: give it as [r, g, b] and leave out colour", amount.key))
+            return Err(format!(
+                "{} has a colour of its own: give it as [r, g, b] and leave out colour",
+                amount.key
+            ));
         }
-        Power::Watts(watts) => Ok(watts.channels().iter().map(|x| x / amount.per_unit).collect()),
+        Power::Watts(watts) => watts.channels().iter().map(|x| x / amount.per_unit).collect(),
         Power::Lumens(lumens) => {
-            Ok(of_luminance_one(colour)?.iter().map(|x| x * lumens / efficacy / amount.per_unit).collect())
+            of_luminance_one(colour)?.iter().map(|x| x * lumens / efficacy / amount.per_unit).collect()
         }
+    };
+    check_made(amount.key, &made)?;
+    Ok(made)
+}
+
+/// What is wrong with a number that a key gives, if it gives one.
+fn check_amount(key: &str, amount: Option<f64>) -> Result<(), String> {
+    let numbers: Vec<f64> = amount.into_iter().collect();
+    check_power(&numbers, numbers.len()).map_err(|message| format!("{key} {message}"))
+}
+
+/// What is wrong with what a sound number comes to, per channel.
+fn check_made(key: &str, made: &[f64]) -> Result<(), String> {
+    match made.iter().find(|x| !(0.0..=LARGEST).contains(*x)) {
+        Some(x) => Err(format!(
+            "{key} comes to {} in watts, by solid angle, colour and efficacy, and that must be at most {LARGEST:e}",
+            spelled(*x)
+        )),
+        None => Ok(()),
     }
 }
 
@@ -455,7 +518,7 @@ fn of_luminance_one(colour: Option<&Colour>) -> Result<Vec<f64>, String> {
     let colour = colour.map_or(vec![1.0; 3], Colour::channels);
     let whole = luminance(&colour);
     if !(whole > 0.0 && whole.is_finite() && colour.iter().all(|&x| x >= 0.0)) {
-        return Err("colour must not be negative or black".into());
+        return Err("colour must be finite, not negative and not black".into());
     }
     Ok(colour.iter().map(|x| x / whole).collect())
 }

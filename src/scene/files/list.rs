@@ -6,6 +6,9 @@ use serde::de::{Deserialize, Deserializer, Error};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct List<T, const N: usize>(pub [T; N]);
 
+/// Three numbers.
+pub(super) type Vector = List<f64, 3>;
+
 impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for List<T, N> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let values = Vec::deserialize(deserializer)?;

@@ -10,6 +10,8 @@ mod obj;
 mod picture_file;
 mod settings;
 mod settings_line;
+mod settings_shape;
+mod settings_words;
 mod text;
 pub(super) use builtin::cornell_box;
 pub(super) use obj::{load, read};

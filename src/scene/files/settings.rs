@@ -10,17 +10,20 @@ use toml::Spanned;
 use super::beside::Beside;
 use super::colour::Colour;
 use super::light_settings::{LightSettings, SkySettings, World};
-use super::list::List;
-use super::settings_line::line_of;
+use super::list::{List, Vector};
+use super::settings_line::{key_at, line_of};
+use super::settings_shape;
+use super::settings_words::in_words;
 use crate::scene::material::Sheet;
 use crate::scene::photometry::EFFICACY;
+use crate::scene::spelled::spelled;
 use crate::scene::{
     Camera, FARTHEST, LARGEST, Light, Material, Measure, Receiver, SceneError, SceneParts, Sky, Surface,
     is_near,
 };
 
-/// Three numbers.
-type Vector = List<f64, 3>;
+/// No efficacy may be less, lumens per watt: lumens up to the largest number of light stay numbers in watts.
+const LEAST_EFFICACY: f64 = 1e-30;
 
 /// The content of a scene's `.toml`.
 #[derive(Debug, Deserialize)]
@@ -205,19 +208,32 @@ struct SettingsFile<'a> {
 
 impl SettingsFile<'_> {
     fn read(&self) -> Result<Settings, SceneError> {
-        toml::from_str(self.text)
-            .map_err(|e| self.error_at(e.span().map_or(0, |span| span.start), e.message().to_owned()))
+        settings_shape::check(self.text).map_err(|(start, message)| {
+            let line = 1 + self.text.bytes().take(start).filter(|&byte| byte == b'\n').count();
+            let message = match message.as_str() {
+                "duplicate key" => in_words(&message, key_at(self.text, line)) + "; keep one",
+                _ => message,
+            };
+            self.error_on(line, message)
+        })?;
+        toml::from_str(self.text).map_err(|e| {
+            let line = self.line_of(e.span().map_or(0, |span| span.start), e.message());
+            self.error_on(line, in_words(e.message(), key_at(self.text, line)))
+        })
     }
 
-    /// An error about the settings that start at this byte.
-    fn error_at(&self, start: usize, message: String) -> SceneError {
+    /// The line of which a message speaks about the settings that start at this byte.
+    fn line_of(&self, start: usize, message: &str) -> usize {
         let refusal = |text: &str| toml::from_str::<Settings>(text).err().map(|e| e.message().to_owned());
-        let line = line_of(self.text, start, &message, refusal);
+        line_of(self.text, start, message, refusal)
+    }
+
+    fn error_on(&self, line: usize, message: String) -> SceneError {
         SceneError::Parse { path: self.path.to_path_buf(), line, message }
     }
 
     fn error<T>(&self, given: &Spanned<T>, message: String) -> SceneError {
-        self.error_at(given.span().start, message)
+        self.error_on(self.line_of(given.span().start, &message), message)
     }
 
     /// Makes vertices metres; answers the unit, in metres.
@@ -225,7 +241,7 @@ impl SettingsFile<'_> {
         let unit = given.as_ref().map_or(1.0, |unit| unit.get_ref().metres());
         parts.vertices.iter_mut().for_each(|vertex| *vertex *= unit);
         let Some(given) = given else { return Ok(unit) };
-        let wrong = |message: String| self.error(&given, format!("unit = {unit}: {message}"));
+        let wrong = |message: String| self.error(&given, format!("unit = {}: {message}", spelled(unit)));
         if !(unit.is_finite() && unit > 0.0) {
             return Err(wrong("metres per unit must be positive".into()));
         }
@@ -266,10 +282,13 @@ impl SettingsFile<'_> {
     fn efficacy(&self, given: Option<Spanned<f64>>) -> Result<f64, SceneError> {
         let Some(given) = given else { return Ok(EFFICACY) };
         let efficacy = *given.get_ref();
-        if efficacy > 0.0 && efficacy <= LARGEST {
+        if (LEAST_EFFICACY..=LARGEST).contains(&efficacy) {
             return Ok(efficacy);
         }
-        let message = format!("efficacy = {efficacy}: lumens per watt must be positive, up to {LARGEST:e}");
+        let message = format!(
+            "efficacy = {}: lumens per watt must be positive, from {LEAST_EFFICACY:e} to {LARGEST:e}",
+            spelled(efficacy)
+        );
         Err(self.error(&given, message))
     }
 

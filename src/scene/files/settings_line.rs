@@ -36,6 +36,19 @@ pub(crate) fn line_of(
     named.or_else(needed).map_or(head, |(k, _)| *k) + 1
 }
 
+/// The key that a line, from 1, gives a value, or that a line above it begins to; of a table's head its name.
+pub(crate) fn key_at(text: &str, line: usize) -> &str {
+    let above = text.lines().take(line).map(str::trim).collect::<Vec<_>>().into_iter().rev();
+    let key = |line: &'_ str| match line.starts_with('[') {
+        true => line.find(']').map(|end| (1, end)),
+        false => line.find('=').map(|end| (0, end)),
+    };
+    let is_comment = |line: &&str| line.starts_with('#');
+    let mut keys =
+        above.filter(|line| !is_comment(line)).filter_map(|line| key(line).map(|(a, b)| &line[a..b]));
+    keys.next().unwrap_or_default().trim_start_matches('[').trim()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,6 +65,14 @@ mod tests {
         assert_eq!(line("[[light]]", "light: cone of 200 degrees"), 6);
         assert_eq!(line("[[light]]", "unknown field `cone`, expected one of `kind`, `position`"), 6);
         assert_eq!(line("[sky]", "sky: cone"), 10);
+    }
+
+    #[test]
+    fn lines_tell_of_the_key_that_they_are_part_of() {
+        let text = "unit = 1.0\n[[light]]\nposition = [\n  # x = 1\n  0, 1,\n]\n[material.\"m 1\"] # =\n";
+        let keys = [1, 2, 3, 5].map(|line| key_at(text, line));
+        assert_eq!((keys, key_at(text, 7)), (["unit", "light", "position", "position"], "material.\"m 1\""));
+        assert_eq!(key_at("", 1), "");
     }
 
     #[test]

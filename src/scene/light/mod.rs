@@ -11,7 +11,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{LARGEST, is_near};
+use super::spelled::{listed, spelled};
+use super::{FARTHEST, LARGEST, is_near};
 pub use environment::Environment;
 pub use general_sky::GeneralSky;
 pub use ies::IntensityTable;
@@ -166,19 +167,25 @@ impl Light {
             Light::Point { position, .. } | Light::Spot { position, .. } | Light::Ies { position, .. }
                 if !is_near(position) =>
             {
-                return Err(format!("position {position} must be finite"));
+                return Err(format!(
+                    "position {} m must be finite, no coordinate beyond {FARTHEST:e} m",
+                    listed(position.to_array())
+                ));
             }
             Light::Spot { direction, cone, penumbra, .. } => {
                 unit(direction, "direction")?;
                 if !(cone > 0.0 && cone <= 180.0 && (0.0..=cone).contains(&penumbra)) {
                     return Err(format!(
-                        "cone {cone} must lie above 0 and at most at 180 degrees, and penumbra {penumbra} between 0 and the cone"
+                        "cone {} must lie above 0 and at most at 180 degrees, and penumbra {} between 0 and the cone",
+                        spelled(cone),
+                        spelled(penumbra)
                     ));
                 }
             }
             Light::Sun { direction, diameter, .. } => {
                 unit(direction, "direction")?;
                 if !(0.0..180.0).contains(&diameter) {
+                    let diameter = spelled(diameter);
                     return Err(format!("diameter {diameter} must lie between 0 and 180 degrees"));
                 }
             }
@@ -201,9 +208,10 @@ pub(crate) fn check_power(power: &[f64], channels: usize) -> Result<(), String> 
         return Err(format!("it must have {channels} channels, as materials have"));
     }
     match power.iter().find(|x| !(0.0..=LARGEST).contains(*x)) {
-        Some(x) => {
-            Err(format!("{x}: how much light it sends must be finite, at most {LARGEST:e}, and not negative"))
-        }
+        Some(x) => Err(format!(
+            "{}: how much light it sends must be at most {LARGEST:e}, and not negative",
+            spelled(*x)
+        )),
         None => Ok(()),
     }
 }

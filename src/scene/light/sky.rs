@@ -10,6 +10,7 @@ use super::check_power;
 use super::environment::Environment;
 use super::general_sky::GeneralSky;
 use crate::scene::photometry::luminance;
+use crate::scene::spelled::spelled;
 
 /// A sky around the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -175,7 +176,8 @@ impl Sky {
             return Err("an environment has red, green and blue: materials must have 1 channel or 3".into());
         }
         if !(0.0..=1.0).contains(&self.ground) {
-            return Err(format!("ground {} is a reflectance and must lie between 0 and 1", self.ground));
+            let ground = spelled(self.ground);
+            return Err(format!("ground {ground} is a reflectance and must lie between 0 and 1"));
         }
         check_power(&self.zenith, channels)
     }

@@ -6,6 +6,7 @@ mod sheet;
 mod texture;
 mod textured;
 
+use super::spelled::spelled;
 use super::{LARGEST, Side};
 pub(super) use glass::warn_of_missing_insides;
 pub use pixels::{Beyond, Pixels};
@@ -226,17 +227,19 @@ impl Material {
     /// What is not physical about it, if anything.
     pub(crate) fn check(&self) -> Result<(), String> {
         if let Some(r) = self.reflectance.iter().find(|r| !(0.0..=1.0).contains(*r)) {
-            return Err(format!("reflectance {r} (Kd in MTL files) must lie between 0 and 1"));
+            return Err(format!("reflectance {} (Kd in MTL files) must lie between 0 and 1", spelled(*r)));
         }
         if let Some(e) = self.emission.iter().find(|e| !(0.0..=LARGEST).contains(*e)) {
             return Err(format!(
-                "emission {e} (Ke in MTL files) must be finite, up to {LARGEST:e}, and not negative"
+                "emission {} (Ke in MTL files) must be at most {LARGEST:e}, and not negative",
+                spelled(*e)
             ));
         }
         let brightest_lamp = brightest(&self.emission, self.textures.emission.as_ref()).fold(0.0, f64::max);
         if brightest_lamp > LARGEST {
             return Err(format!(
-                "its picture makes emission as high as {brightest_lamp}, and it must be up to {LARGEST:e}"
+                "its picture makes emission as high as {}, and it must be at most {LARGEST:e}",
+                spelled(brightest_lamp)
             ));
         }
         if self.is_textured() && !matches!(self.reflectance.len(), 1 | 3) {

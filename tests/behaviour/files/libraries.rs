@@ -48,7 +48,7 @@ fn refuses_numbers_that_no_scene_can_have_by_file_and_line() {
         ("Ke 0 inf 0", "Ke is inf"),
         ("Kd 0 0 nan", "Kd is NaN"),
         ("Ke 1e999", "Ke is inf"),
-        ("Ke 1e31", "Ke is 10000000000000000000000000000000"),
+        ("Ke 1e31", "Ke is 1e31"),
         ("Ns -inf", "Ns is -inf"),
         ("Pr nan", "Pr is NaN"),
         ("map_Kd -s nan 1 1 a.png", "nan of map_Kd"),

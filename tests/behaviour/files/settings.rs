@@ -28,6 +28,51 @@ fn refuses_settings_that_make_no_sense_by_file_and_line() {
 }
 
 #[test]
+fn tables_in_other_brackets_or_of_no_kind_are_refused_with_how_they_are_written() {
+    for (text, line, words) in [
+        ("sky = \"clear\"\n", 1, ["sky: \"clear\"", "write [sky]"]),
+        ("camera = 5\n", 1, ["camera: 5", "write [camera]"]),
+        ("\n[[sky]]\nkind = \"clear\"\n", 2, ["sky: there is no more than one", "[sky] in single brackets"]),
+        ("\n[receiver]\nname = \"a\"\n", 2, ["receiver: there may be several", "[[receiver]] in double"]),
+        ("light = 5\n", 1, ["light: 5", "write [[light]]"]),
+        ("[sky]\nkind = \"clear\"\n[sky]\nkind = \"clear\"\n", 3, ["sky: duplicate key", "keep one"]),
+        ("[[light]]\nkind = 5\n", 2, ["light: kind = 5", "\"spot\""]),
+        ("[[light]]\ntype = \"point\"\n", 2, ["light: write kind in place of type", "\"point\""]),
+        ("\n[sky]\ntype = 3\n", 2, ["sky: kind is missing", "\"overcast\""]),
+        (
+            "[[receiver]]\nname = \"a\"\nkind = \"round\"\n",
+            3,
+            ["receiver: kind = \"round\"", "\"cylindrical\""],
+        ),
+        ("[material]\nreflectance = 1\n", 2, ["material: 1", "write [material.NAME]"]),
+        ("[[material.m]]\nreflectance = 1\n", 1, ["material: ", "single brackets"]),
+    ] {
+        let message = refusal(&toml(text));
+        says(&message, &[&format!("a.toml:{line}: ")]);
+        says(&message, &words);
+    }
+}
+
+#[test]
+fn values_of_another_type_are_refused_with_their_key_and_what_it_takes() {
+    let point = "[[light]]\nkind = \"point\"\nflux = 1\n";
+    let sky = "[sky]\nkind = \"cie\"\nilluminance = 1\n";
+    for (text, line, words) in [
+        (format!("{point}position = [0, 1]\n"), 4, "position: 2 in place of 3 values"),
+        (format!("{point}position = [0, 1, \"a\"]\n"), 4, "position: \"a\" stands where a number should"),
+        (format!("{point}position = 1\n"), 4, "position: 1 stands where a list in brackets should"),
+        (format!("{sky}type = 5\nup = [0, 1, 0, 0]\n"), 5, "up: 4 in place of 3 values"),
+        (format!("{sky}type = 1.5\n"), 4, "type: 1.5 stands where a whole number, 0 or more, should"),
+        ("[material.m]\nthin = 1\n".into(), 2, "thin: 1 stands where true or false should"),
+        ("[material.m]\nreflectance = [1, 2]\n".into(), 2, "reflectance: a colour is one number, or three"),
+        ("[camera]\nposition = [0,\n0, \"x\"]\n".into(), 3, "position: \"x\" stands where a number should"),
+        ("efficacy = \"x\"\n".into(), 1, "efficacy: \"x\" stands where a number should"),
+    ] {
+        says(&refusal(&toml(&text)), &[&format!("a.toml:{line}: "), words]);
+    }
+}
+
+#[test]
 fn refuses_settings_that_are_no_text() {
     let bytes = [0u8, 1, 0xff, b'=', 0xfe];
     let files = [("a.obj", TRIANGLE.as_bytes()), ("a.mtl", LAMP.as_bytes()), ("a.toml", &bytes)];

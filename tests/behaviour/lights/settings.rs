@@ -44,6 +44,38 @@ fn lengths_of_lights_are_in_the_unit_of_the_scene() {
 }
 
 #[test]
+fn numbers_are_refused_as_they_are_written_and_with_what_they_may_be() {
+    let spot = "[[light]]\nkind = \"spot\"\nposition = [0, 1, 0]\ncone = 30\nflux = 1\n";
+    for (settings, line, words) in [
+        ("efficacy = 1e-300\n".to_owned(), 1, ["efficacy = 1e-300", "from 1e-30 to 1e30"]),
+        (
+            "efficacy = 1e-29\n[[light]]\nkind = \"point\"\nposition = [0, 1, 0]\nluminous_flux = 1000\n"
+                .into(),
+            5,
+            ["luminous_flux comes to 7.9", "at most 1e30"],
+        ),
+        (
+            spot.replace("flux = 1", "flux = 1e300") + "direction = [0, -1, 0]\n",
+            5,
+            ["flux 1e300", "at most 1e30"],
+        ),
+        (
+            spot.replace("[0, 1, 0]", "[0, 1e300, 0]") + "direction = [0, -1, 0]\n",
+            3,
+            ["[0, 1e300, 0]", "1e30 m"],
+        ),
+        (format!("{spot}target = [0, 1, 0]\n"), 1, ["target [0, 1, 0]", "move one of them"]),
+    ] {
+        let error = floor_with(&settings).unwrap_err();
+        let SceneError::Parse { line: found, message, .. } = &error else { panic!("{error}") };
+        assert!(*found == line && words.iter().all(|word| message.contains(word)), "{settings}: {error}");
+    }
+    let long = floor_with("[[light]]\nkind = \"sun\"\ndirection = [0, -1e300, 0]\nirradiance = 1\n").unwrap();
+    let Some(Light::Sun { direction, .. }) = long.lights().next() else { panic!("a sun") };
+    assert_eq!(*direction, DVec3::NEG_Y);
+}
+
+#[test]
 fn bad_lights_are_refused_with_their_line_and_a_remedy() {
     for (settings, line, words) in [
         ("[[light]]\nkind = \"point\"\nposition = [0, 1, 0]\n", 1, "luminous_flux"),

@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use crate::scene::files::text::{and_more, lines, numbers, split};
+use crate::scene::spelled::spelled;
 use crate::scene::{FARTHEST_ON_PICTURE, LARGEST, SceneError};
 
 /// A library's text for `tobj`, and what is to be said of lines that were left out.
@@ -46,7 +47,10 @@ fn value(key: &str, rest: &str) -> Result<String, Wrong> {
     let numbers = numbers(rest);
     let is_number = matches!(key, "Ka" | "Kd" | "Ks" | "Ke" | "Tf" | "Ns" | "Ni" | "d" | "Pr" | "Pm");
     if let Some(wrong) = numbers.iter().flatten().find(|x| is_number && !(0.0..=LARGEST).contains(&x.abs())) {
-        return Err(Wrong::Number(format!("{key} is {wrong}, and must be a number up to {LARGEST:e}")));
+        return Err(Wrong::Number(format!(
+            "{key} is {}, and must be a number up to {LARGEST:e}",
+            spelled(*wrong)
+        )));
     }
     if let Some(wrong) = beyond_on_picture(key, rest) {
         let limit = FARTHEST_ON_PICTURE;
