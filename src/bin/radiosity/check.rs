@@ -78,7 +78,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     }
     let sides = if reach == Reach::Light { "where light reaches" } else { "on all sides" };
     let (faces, patches) = (scene.faces().len(), patches.len());
-    terminal.say(format_args!("{}: {faces} faces, {patches} patches {sides}\n", scene.name()))?;
+    let face_noun = if faces == 1 { "face" } else { "faces" };
+    terminal.say(format_args!("{}: {faces} {face_noun}, {patches} patches {sides}\n", scene.name()))?;
     findings.iter().try_for_each(|finding| tell(finding, terminal))?;
     let worst: Vec<&str> =
         findings.iter().filter(|f| f.verdict == verdict && verdict != Grade::Good).map(|f| f.name).collect();
@@ -124,6 +125,7 @@ fn tell(finding: &Finding, terminal: &Terminal) -> Result<(), Failure> {
 fn value(finding: &Finding) -> String {
     let (value, unit) = (finding.value, finding.unit.unwrap_or_default());
     let number = match value {
+        x if x.is_nan() => "not measured".to_owned(),
         x if !x.is_finite() => "unbounded".to_owned(),
         x if unit.starts_with("of ") => format!("{} %", short(100.0 * x)),
         x => short(x),

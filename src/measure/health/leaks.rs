@@ -24,7 +24,15 @@ const PATHS: u32 = SEQUENCE_END;
 /// hardly an outside.
 pub(super) fn leaks(tracer: &Tracer, patches: &Patches, seed: u64) -> Finding {
     let starts = Starts::new(tracer, patches);
-    let follow = |path| starts.of(path).and_then(|start| last_ray(tracer, start, seed, path));
+    if starts.by_power.total() == 0.0 {
+        let finding = Finding::good("leaks", f64::NAN, None);
+        return finding.but(
+            Grade::Note,
+            [],
+            "nothing emits and no face sees another: there is no light to follow",
+        );
+    }
+    let follow = |path| last_ray(tracer, starts.of(path), seed, path);
     let escaping: Vec<Ray> = (0..PATHS).into_par_iter().filter_map(follow).collect();
     let share = escaping.len() as f64 / f64::from(PATHS);
     let finding = Finding::good("leaks", share, Some("of light escapes"));
@@ -32,26 +40,29 @@ pub(super) fn leaks(tracer: &Tracer, patches: &Patches, seed: u64) -> Finding {
         return finding;
     }
     let (width, beside) = openings(tracer, &escaping);
-    let wide = format!("{} m wide", short(width * tracer.frame().scale()));
+    let wide = match width.is_finite() {
+        true => format!("about {} m wide", short(width * tracer.frame().scale())),
+        false => "too wide to be measured".to_owned(),
+    };
     match (width < 2.0 * NARROW, share < OVERSIGHT) {
         (true, true) => finding.but(
             Grade::Bad,
             beside,
             format!(
-                "light is lost through gaps about {wide} beside these faces: weld vertices that should coincide, or move one \
+                "light is lost through gaps {wide} beside these faces: weld vertices that should coincide, or move one \
                  surface until it overlaps the other"
             ),
         ),
         (true, false) => finding.but(
             Grade::Note,
             beside,
-            format!("much through gaps about {wide} beside these faces: fine for blinds and grilles, else close them"),
+            format!("much through gaps {wide} beside these faces: fine for blinds and grilles, else close them"),
         ),
         (false, _) => finding.but(
             Grade::Note,
             beside,
             format!(
-                "through openings about {wide} beside these faces: fine for doors and windows, else a face is missing there"
+                "through openings {wide} beside these faces: fine for doors and windows, else a face is missing there"
             ),
         ),
     }
@@ -95,9 +106,8 @@ impl<'t> Starts<'t> {
     }
 
     /// Where a path starts; each facet has as many as is its share of the power.
-    fn of(&self, path: u32) -> Option<Facet<'t>> {
-        let shines = self.by_power.total() > 0.0;
-        shines.then(|| self.facets[self.by_power.draw((f64::from(path) + 0.5) / f64::from(PATHS)).0])
+    fn of(&self, path: u32) -> Facet<'t> {
+        self.facets[self.by_power.draw((f64::from(path) + 0.5) / f64::from(PATHS)).0]
     }
 }
 

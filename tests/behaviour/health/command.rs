@@ -49,6 +49,19 @@ fn the_command_prints_a_table_answers_with_its_status_and_writes_nothing() {
 }
 
 #[test]
+fn where_there_is_no_light_to_follow_leaks_are_not_measured() {
+    let scratch = Scratch::with(&[("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")]);
+    let (code, out, _) = run(&scratch, "check one.obj");
+    assert!(code == Some(0) && out.contains("one: 1 face, 0 patches"), "{out}");
+    let leaks = out.lines().find(|line| line.trim_start().starts_with("leaks")).expect("a line on leaks");
+    assert!(leaks.contains("note  not measured") && out.contains("no light to follow"), "{out}");
+    let (_, out, _) = run(&scratch, "check one.obj --json");
+    let all: Value = serde_json::from_str(&out).unwrap();
+    let leaks = all["findings"].as_array().unwrap().iter().find(|finding| finding["name"] == "leaks");
+    assert!(leaks.is_some_and(|leaks| leaks["value"].is_null()), "{out}");
+}
+
+#[test]
 fn the_command_prints_json_alone() {
     for (lifted, status, verdict) in [(0.0, 0, "good"), (0.005, 1, "bad")] {
         let (code, out, _) = run(&cube(lifted), "check cube.obj --patches 200 --json");
