@@ -99,6 +99,40 @@ pub fn replace(
     Ok(())
 }
 
+/// Refuses a folder that cannot be made, or in which no file can be made; it is left as it is.
+///
+/// # Errors
+/// `Folder`.
+pub fn check_folder(folder: &Path) -> Result<(), OutputError> {
+    let or_here = |folder: &'_ Path| match folder.as_os_str().is_empty() {
+        true => PathBuf::from("."),
+        false => folder.to_owned(),
+    };
+    let mut above = folder.ancestors().map(or_here);
+    let nearest = above.find(|folder| folder.symlink_metadata().is_ok()).unwrap_or_else(|| or_here(folder));
+    let tried = match nearest.is_dir() {
+        true => temporary_in(&nearest).map(drop),
+        false => Err(io::ErrorKind::NotADirectory.into()),
+    };
+    tried.map_err(|source| OutputError::Folder { path: or_here(folder), source })
+}
+
+/// Refuses a path at which no file can be written; nothing is left there. Its folder may be yet to be made.
+///
+/// # Errors
+/// `Write` or `Folder`.
+pub fn check_file(path: &Path) -> Result<(), OutputError> {
+    match path.metadata() {
+        Ok(known) if known.is_dir() => {
+            let source = io::ErrorKind::IsADirectory.into();
+            Err(OutputError::Write { path: path.to_owned(), source })
+        }
+        // What is no ordinary file is written to where it is.
+        Ok(known) if !known.is_file() => Ok(()),
+        _ => check_folder(path.parent().unwrap_or(Path::new("."))),
+    }
+}
+
 /// Refuses a path at which one of the files lies that the run has read.
 ///
 /// # Errors
@@ -243,6 +277,23 @@ mod tests {
         left.sort();
         assert_eq!(left, ["a", "b", "folder"]);
         assert_eq!(["a", "b"].map(|name| fs::read(folder.path().join(name)).unwrap()), [b"old", b"old"]);
+    }
+
+    #[test]
+    fn places_where_no_file_can_be_are_found_and_left_as_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("file"), "x").unwrap();
+        for (bad, words) in [("file", "not a directory"), ("file/deeper/still", "not a directory")] {
+            let message = check_folder(&path(bad)).unwrap_err().to_string();
+            assert!(message.contains(words) && message.contains(bad), "{message}");
+        }
+        assert!(check_file(folder.path()).is_err() && check_file(&path("file/a.csv")).is_err());
+        check_folder(&path("new/deeper")).unwrap();
+        check_folder(Path::new("")).unwrap();
+        check_file(&path("new/a.csv")).unwrap();
+        check_file(&path("file")).unwrap();
+        assert_eq!(names(folder.path()), ["file"]);
     }
 
     #[test]

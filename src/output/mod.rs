@@ -27,7 +27,7 @@ pub use figure::{
     BouncePictures, ComparisonOptions, OrdersPlot, Quantity, SmallPlot, write_bounces, write_comparison,
     write_false_colours, write_knobs_plot, write_orders_plot, write_small_plots, write_study_plot,
 };
-pub use file::{Outputs, replace, spare};
+pub use file::{Outputs, check_file, check_folder, replace, spare};
 pub use form_factors::{FactorEntry, FactorFormat, FactorTable, write_form_factors};
 pub use mesh::write_ply;
 pub use photometry::{
@@ -49,6 +49,17 @@ pub enum OutputError {
     )]
     Write {
         /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A folder can't be made, or no file in it.
+    #[error(
+        "cannot make the folder {}, or files in it: {source}; choose another with --out",
+        path.display()
+    )]
+    Folder {
+        /// The folder.
         path: PathBuf,
         /// What the system says.
         source: std::io::Error,

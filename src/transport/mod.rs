@@ -30,7 +30,9 @@ pub use reflection::Reflection;
 pub(crate) use rows::BATCHES;
 pub use rows::Shots;
 pub(crate) use sources::LampFlux;
-pub use sources::{BrightLight, CarriedLight, LightOptions, Received, ReceiverNoise, ReceiverRows, Sources};
+pub use sources::{
+    BrightLight, CarriedLight, LightOptions, Received, ReceiverNoise, ReceiverRows, Sources, check_receivers,
+};
 pub(crate) use symmetric_system::{SymmetricSystem, solve_symmetric};
 
 use crate::patches::PatchError;
@@ -59,6 +61,21 @@ pub enum TransportError {
     Memory {
         /// The number of patches.
         patches: usize,
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes allowed.
+        limit: u64,
+    },
+    /// The rows of receivers would not fit.
+    #[error(
+        "{points} points of receivers would take {}, more than the {} allowed; give fewer `points` to receiver {largest}, or raise --memory",
+        readable(*needed), readable(*limit)
+    )]
+    Receivers {
+        /// The number of points of all receivers.
+        points: usize,
+        /// The receiver that has the most.
+        largest: String,
         /// Bytes needed.
         needed: u64,
         /// Bytes allowed.

@@ -279,10 +279,21 @@ fn bad_receivers_are_refused() {
         assert!(!done && message.contains("receiver desk") && message.contains(words), "{message}");
     }
     for (settings, words) in [
-        (DESK.replace("points = [3, 3]", "points = [3, 3, 3]"), "floor.toml:9: 3 in place of 2 values"),
-        (DESK.replace("[1, 0, 0]", "[1, 0, 0, 5]"), "floor.toml:8: 4 in place of 3 values"),
+        (
+            DESK.replace("points = [3, 3]", "points = [3, 3, 3]"),
+            "floor.toml:9: points: 3 in place of 2 values",
+        ),
+        (DESK.replace("[1, 0, 0]", "[1, 0, 0, 5]"), "floor.toml:8: edges: 4 in place of 3 values"),
     ] {
         let (done, message) = solved(&floor_with(&settings), "");
         assert!(!done && message.contains(words), "{message}");
     }
+}
+
+#[test]
+fn receivers_that_do_not_fit_into_memory_are_refused_before_the_work() {
+    let many = DESK.replace("points = [3, 3]", "points = [3000, 3000]");
+    let (done, message) = solved(&floor_with(&many), "");
+    let words = ["9000000 points", "GB", "more than the 4.3 GB allowed", "desk", "--memory"];
+    assert!(!done && words.iter().all(|word| message.contains(word)), "{message}");
 }

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use radiosity::measure::{
-    self, AccuracyStep, Accurate, Ending, ErrorBars, ErrorPart, Goal, GroupError, Resource, Tolerated,
+    self, AccuracyStep, Accurate, Ending, ErrorBars, ErrorBudget, ErrorPart, Goal, GroupError, Resource,
+    Tolerated,
 };
 use radiosity::output::SeriesSummary;
 use radiosity::patches::Patches;
@@ -27,6 +28,7 @@ pub struct GoalArgs {
     #[arg(
         long,
         value_name = "ERROR",
+        allow_hyphen_values = true,
         value_parser = wanted,
         conflicts_with_all = ["patches", "edge", "rays", "factors", "save_factors"]
     )]
@@ -37,6 +39,7 @@ pub struct GoalArgs {
     #[arg(
         long,
         value_name = "TIME",
+        allow_hyphen_values = true,
         value_parser = values::duration,
         conflicts_with_all = ["patches", "edge", "rays", "factors", "save_factors"]
     )]
@@ -59,6 +62,27 @@ impl GoalArgs {
             Wanted::Irradiance(h) => Tolerated::Irradiance(h),
             Wanted::Illuminance(lux) => Tolerated::Irradiance(lux / scene.efficacy()),
         })
+    }
+
+    /// What was reached of an error that was asked for in W/m² or lx, in that unit; of others percents tell.
+    pub fn outcome(&self, bars: &ErrorBars, scene: &Scene) -> Option<String> {
+        let (asked, unit, per_watt) = match self.accuracy? {
+            Wanted::Share(_) => return None,
+            Wanted::Irradiance(h) => (h, "W/m²", 1.0),
+            Wanted::Illuminance(lux) => (lux, "lx", scene.efficacy()),
+        };
+        let size = |budget: &ErrorBudget| per_watt * budget.upper95 * budget.irradiance;
+        let error = bars.headline(size);
+        let reached = size(&error.budget);
+        let reached = match reached.is_finite() {
+            true => format!("± {} {unit}", two_digits(reached)),
+            false => "unknown".into(),
+        };
+        Some(format!(
+            "accuracy      {reached} {} (95 %), where it is the largest; asked for: {} {unit}\n",
+            place(&error),
+            two_digits(asked)
+        ))
     }
 
     /// Cuts and traces as the goal asks for, if there is one; else as the other arguments do.
@@ -166,15 +190,20 @@ pub fn error_line(error: &GroupError, seconds: f64, series: &SeriesSummary) -> S
     } else {
         format!("mostly noise; 4 × the rays would about halve it, in {}", duration(4.0 * seconds))
     };
-    let place = match error.kind {
-        GroupError::ALL => "by face".to_owned(),
-        GroupError::RECEIVER => format!("at receiver {}", error.name),
-        kind => format!("by face on {kind} {}", error.name),
-    };
+    let place = place(error);
     if budget.upper95.is_finite() {
         format!("± {} % {place} (95 %), {remedy}", percent(budget.upper95))
     } else {
         format!("{place} unknown, {remedy}")
+    }
+}
+
+/// Where an error is.
+fn place(error: &GroupError) -> String {
+    match error.kind {
+        GroupError::ALL => "by face".to_owned(),
+        GroupError::RECEIVER => format!("at receiver {}", error.name),
+        kind => format!("by face on {kind} {}", error.name),
     }
 }
 
@@ -212,9 +241,12 @@ fn duration(seconds: f64) -> String {
 
 /// A share in percent with two digits.
 pub fn percent(share: f64) -> String {
-    let percent = 100.0 * share;
-    let digits = if percent > 0.0 { (1.0 - percent.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
-    format!("{percent:.digits$}")
+    two_digits(100.0 * share)
+}
+
+fn two_digits(x: f64) -> String {
+    let digits = if x > 0.0 { (1.0 - x.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
+    format!("{x:.digits$}")
 }
 
 fn wanted(text: &str) -> Result<Wanted, String> {
@@ -225,6 +257,8 @@ fn wanted(text: &str) -> Result<Wanted, String> {
     } else if let Some(lux) = absolute("lx") {
         Ok(Wanted::Illuminance(lux))
     } else {
-        values::share(text).map(Wanted::Share).map_err(|_| "write it as 1%, 0.01, 0.2W/m2 or 5lx".into())
+        values::share(text)
+            .map(Wanted::Share)
+            .map_err(|_| "write it as 1%, 0.01, 0.2W/m2 or 5lx; above 0".into())
     }
 }

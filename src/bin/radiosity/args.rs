@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use radiosity::output::{self, Outputs};
+use radiosity::output::{self, OutputError, Outputs};
 use radiosity::patches::{Basis, Outlook, PatchError, PatchSize, Reach, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Loading, Scene, SceneError};
@@ -69,8 +69,16 @@ pub fn load(scene: Option<&Path>, allow_outside: bool) -> Result<Scene, SceneErr
 }
 
 impl SceneArgs {
-    /// Reads the scene, and makes sure that no result would overwrite a file of it.
+    /// Reads the scene, and makes sure that results can be written, and that none would overwrite a file of
+    /// it.
     pub fn load(&self) -> Result<Scene, Failure> {
+        let scene = self.read()?;
+        output::check_folder(&self.folder(&scene))?;
+        Ok(scene)
+    }
+
+    /// The same for commands that write nothing into the folder.
+    pub fn read(&self) -> Result<Scene, Failure> {
         let scene = load(self.scene.as_deref(), self.allow_outside)?;
         let folder = self.folder(&scene);
         RESULTS.iter().try_for_each(|name| output::spare(&folder.join(name), scene.inputs()))?;
@@ -89,9 +97,8 @@ impl SceneArgs {
     /// Results to be written to a folder, which is made if it is not there.
     pub fn outputs(&self, scene: &Scene) -> Result<Outputs, Failure> {
         let folder = self.folder(scene);
-        std::fs::create_dir_all(&folder).map_err(|e| {
-            format!("cannot make the folder {}: {e}; choose another with --out", folder.display())
-        })?;
+        std::fs::create_dir_all(&folder)
+            .map_err(|source| OutputError::Folder { path: folder.clone(), source })?;
         Ok(Outputs::in_folder(folder).sparing(scene.inputs()))
     }
 }
@@ -101,15 +108,15 @@ impl SceneArgs {
 #[command(next_help_heading = "Accuracy")]
 pub struct AccuracyArgs {
     /// About how many patches (unknowns) to cut into
-    #[arg(long, value_name = "N", default_value_t = 8000, value_parser = values::positive)]
+    #[arg(long, value_name = "N", default_value_t = 8000, allow_negative_numbers = true, value_parser = values::positive)]
     patches: usize,
 
     /// Longest leg of a patch, metres; instead of --patches
-    #[arg(long, value_name = "METRES", conflicts_with = "patches", value_parser = values::positive_length)]
+    #[arg(long, value_name = "METRES", conflicts_with = "patches", allow_negative_numbers = true, value_parser = values::positive_length)]
     edge: Option<f64>,
 
     /// Rays per patch [default: 512; from 16384 patches on fewer, but at least 64]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = values::whole::<u32>)]
     rays: Option<u32>,
 
     /// How to store exchange areas
@@ -194,14 +201,14 @@ pub struct SolverArgs {
     solver: SolverArg,
 
     /// Highest order of the Neumann series
-    #[arg(long, value_name = "K", default_value_t = 1000)]
+    #[arg(long, value_name = "K", default_value_t = 1000, allow_negative_numbers = true, value_parser = values::whole::<usize>)]
     pub order: usize,
 
     /// Part of the flux, and of the irradiance, that may be missing when iterations stop: the flux still on
     /// its way is at most T of what is emitted, and no irradiance is off by more than T of the root mean
     /// square over all surfaces, nor by more than 10 T of its own (of a thousandth of that mean, where it is
     /// darker). 0 runs the series up to --order, and conjugate gradients as far as rounding allows
-    #[arg(long, value_name = "T", default_value = "1e-6", value_parser = values::tolerance)]
+    #[arg(long, value_name = "T", default_value = "1e-6", allow_negative_numbers = true, value_parser = values::tolerance)]
     pub tolerance: f64,
 }
 
@@ -250,15 +257,15 @@ impl SolverArgs {
 #[command(next_help_heading = "Run")]
 pub struct RunArgs {
     /// Number of the random sequences; the same seed gives the same bits
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true, value_parser = values::whole::<u64>)]
     pub seed: u64,
 
     /// Threads [default: one per core]
-    #[arg(long, value_name = "T", value_parser = values::threads)]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = values::threads)]
     threads: Option<usize>,
 
     /// Memory that patches, the operator and the factors of the direct solver may each take
-    #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = values::memory)]
+    #[arg(long, value_name = "SIZE", default_value = "4GiB", allow_hyphen_values = true, value_parser = values::memory)]
     pub memory: u64,
 
     /// Print nothing but errors

@@ -51,23 +51,23 @@ pub struct Args {
 struct ReferenceArgs {
     /// Trace paths until all patches together are known this well (relative standard error) [default: 2%,
     /// unless --seconds or --paths is given]
-    #[arg(long, value_name = "SHARE", value_parser = values::share)]
+    #[arg(long, value_name = "SHARE", allow_hyphen_values = true, value_parser = values::share)]
     standard_error: Option<f64>,
 
     /// Trace paths for so many seconds at most
-    #[arg(long, value_name = "S", value_parser = values::positive_length)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = values::positive_length)]
     seconds: Option<f64>,
 
     /// Trace so many paths at most; every patch gets some
-    #[arg(long, value_name = "N", value_parser = values::positive)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = values::positive)]
     paths: Option<usize>,
 
     /// Width and height of each picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "400x300", value_parser = values::size)]
+    #[arg(long, value_name = "WxH", default_value = "400x300", allow_hyphen_values = true, value_parser = values::size)]
     size: (usize, usize),
 
     /// Paths per pixel of the reference picture; best a power of two
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(long, value_name = "N", default_value_t = 64, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     samples: u32,
 }
 

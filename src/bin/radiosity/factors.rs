@@ -1,13 +1,16 @@
 //! Where form factors come from: traced now, or from a file.
 
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
-use radiosity::output;
+use radiosity::output::{self, OutputError};
 use radiosity::patches::{PatchError, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Feature, Scene};
 use radiosity::trace::Tracer;
-use radiosity::transport::{Forecast, FormFactors, Keep, LightOptions, Plan, Switches, TraceOptions, Work};
+use radiosity::transport::{
+    self, Forecast, FormFactors, Keep, LightOptions, Plan, Switches, TraceOptions, Work,
+};
 
 use crate::args::{AccuracyArgs, BasisArg, RunArgs, SolverArgs};
 use crate::terminal::{Failure, Terminal};
@@ -22,11 +25,9 @@ pub struct FactorsArgs {
     #[arg(long, value_enum, default_value_t = BasisArg::Constant, help_heading = "Accuracy")]
     basis: BasisArg,
 
-    /// Which effects to simulate: auto for all that the scene calls for, or -effect to leave one out and
-    /// +effect to insist, separated by commas: interreflection, occlusion-rays, back-sides, lamps, colour,
-    /// lights, sky, receivers, mirror, dielectric, caustics
     #[arg(
         long,
+        help = effects_help(),
         value_name = "LIST",
         default_value = "auto",
         allow_hyphen_values = true,
@@ -47,6 +48,26 @@ pub struct FactorsArgs {
         conflicts_with_all = ["patches", "edge", "rays", "storage", "basis"]
     )]
     factors: Option<PathBuf>,
+}
+
+/// What --effects does, and all effects that there are.
+fn effects_help() -> String {
+    format!(
+        "Which effects to simulate: auto for all that the scene calls for, or -effect to leave one out and +effect \
+         to insist, separated by commas: {}",
+        Switches::names()
+    )
+}
+
+/// Refuses a file that could not be written; its folder must be there.
+fn check_save(path: &Path) -> Result<(), OutputError> {
+    output::check_file(path)?;
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            Err(OutputError::Write { path: path.to_owned(), source: ErrorKind::NotFound.into() })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Numbers of patches and of rays that were chosen on the way to an accuracy, and are not among the options.
@@ -79,6 +100,9 @@ impl FactorsArgs {
     /// # Errors
     /// If there is no light left, or form factors in files are asked for that lack something.
     pub fn settle(&self, scene: Scene, terminal: &Terminal) -> Result<(Scene, Plan), Failure> {
+        if let Some(path) = &self.save_factors {
+            check_save(path)?;
+        }
         let applied = self.effects.apply(scene);
         applied.0.require_light()?;
         self.settle_unlit(applied, terminal)
@@ -87,8 +111,8 @@ impl FactorsArgs {
     /// The same of a scene that may be without light, for commands that solve nothing.
     pub fn plan(&self, scene: Scene, terminal: &Terminal) -> Result<(Scene, Plan), Failure> {
         let applied = self.effects.apply(scene);
-        if applied.0.require_light().is_err() {
-            terminal.warn("no light at all: this is what solving would take once something emits");
+        if let Err(dark) = applied.0.require_light() {
+            terminal.warn(format_args!("{dark}; this is what solving would take once something emits"));
         }
         self.settle_unlit(applied, terminal)
     }
@@ -150,6 +174,27 @@ impl FactorsArgs {
         Forecast::new(tracer, &work)
     }
 
+    /// Refuses receivers of more points than fit into memory.
+    pub fn check_receivers(&self, tracer: &Tracer, run: &RunArgs) -> Result<(), Failure> {
+        let scene = tracer.scene();
+        if !scene.receivers().is_empty() {
+            let patches = self.accuracy.wanted_patches(tracer)?;
+            let light = self.light(run, Progress::default());
+            transport::check_receivers(scene, patches, light.rays, run.memory)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses more patches and rays than fit, as far as that is known before the scene is cut.
+    pub fn check(&self, tracer: &Tracer, run: &RunArgs) -> Result<(), Failure> {
+        let (_, trace) = self.options(run, Progress::default());
+        let wanted = self.accuracy.wanted_patches(tracer)?;
+        if trace.without_rays(tracer, wanted).is_err() {
+            trace.check(wanted)?;
+        }
+        Ok(())
+    }
+
     /// Cuts the scene and finds the form factors between its patches, with or without their rays.
     pub fn obtain<'s>(
         &self,
@@ -182,10 +227,7 @@ impl FactorsArgs {
                 (patches, factors)
             }
             None => {
-                let wanted = self.accuracy.wanted_patches(tracer)?;
-                if trace.without_rays(tracer, wanted).is_err() {
-                    trace.check(wanted)?;
-                }
+                self.check(tracer, run)?;
                 let mut patches = Patches::new(tracer, &tessellation)?;
                 // Where no rays are needed there are none to be kept.
                 let keep = if trace.without_rays(tracer, patches.len()).is_ok() { trace.keep } else { keep };

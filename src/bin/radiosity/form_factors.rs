@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use clap::builder::TypedValueParser;
 use radiosity::measure::{FrontDoubt, front_doubts};
-use radiosity::output::{self, FactorEntry, FactorFormat, FactorTable};
+use radiosity::output::{self, FactorEntry, FactorFormat, FactorTable, OutputError};
 use radiosity::parallel;
 use radiosity::patches::{GroupBy, Groups, Patches, Reach, Tessellation};
 use radiosity::scene::{Scene, Side};
@@ -49,7 +49,7 @@ pub struct Args {
 
     /// Which channel's form factors to write where mirrors, metals or glass are coloured: 1 for red, 2 for
     /// green, 3 for blue
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     channel: Option<u16>,
 
     #[command(flatten)]
@@ -139,18 +139,20 @@ impl Args {
         }
     }
 
-    /// The file for the results; its folder is made if it is not there.
+    /// The file for the results, if it can be written.
     fn file(&self, scene: &Scene) -> Result<PathBuf, Failure> {
         let usual = || Path::new("out").join(scene.name()).join("form_factors.csv");
         let file = self.scene.out.clone().unwrap_or_else(usual);
         output::spare(&file, scene.inputs())?;
-        if let Some(folder) = file.parent() {
-            std::fs::create_dir_all(folder).map_err(|e| {
-                format!("cannot make the folder {}: {e}; choose another with --out", folder.display())
-            })?;
-        }
+        output::check_file(&file)?;
         Ok(file)
     }
+}
+
+/// Makes the folder of a file if it is not there.
+fn make_folder_of(file: &Path) -> Result<(), OutputError> {
+    let Some(folder) = file.parent() else { return Ok(()) };
+    std::fs::create_dir_all(folder).map_err(|source| OutputError::Folder { path: folder.to_owned(), source })
 }
 
 /// Says so where rows could not be balanced: they lack something then, and are written as they are.
@@ -189,7 +191,7 @@ fn warn_of_doubts(objects: &[String], doubts: &[Option<FrontDoubt>], terminal: &
 pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
     progress.at("load", 0.0)?;
-    let scene = args.scene.load()?;
+    let scene = args.scene.read()?;
     terminal.warn_of(&scene);
     let file = args.file(&scene)?;
     progress.at("build", 0.0)?;
@@ -233,6 +235,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         }
     };
     progress.at("write", 0.0)?;
+    make_folder_of(&file)?;
     output::write_form_factors(&file, &table)?;
     report(args, &table, factors.as_ref(), &file, terminal)
 }

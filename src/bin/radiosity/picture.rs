@@ -39,7 +39,7 @@ pub fn warn_if_black(picture: &Picture, most: f64, terminal: &Terminal) {
 #[command(next_help_heading = "Picture")]
 pub struct PictureArgs {
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", default_value = "800x600", value_parser = values::size)]
+    #[arg(long, value_name = "WxH", default_value = "800x600", allow_hyphen_values = true, value_parser = values::size)]
     size: (usize, usize),
 
     /// How radiance is found at a point
@@ -47,7 +47,7 @@ pub struct PictureArgs {
     shading: ShadingArg,
 
     /// Random samples per pixel, for --shading gather and path; best a power of two
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(long, value_name = "N", default_value_t = 64, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     samples: u32,
 
     /// Draw the edges of patches
@@ -55,7 +55,7 @@ pub struct PictureArgs {
     outlines: bool,
 
     /// Brightness: radiance times this is the share of white [default: automatic]
-    #[arg(long, value_name = "FACTOR", value_parser = values::positive_length)]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = values::positive_length)]
     exposure: Option<f64>,
 
     /// Also write image.exr, linear radiance

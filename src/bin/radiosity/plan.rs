@@ -32,9 +32,15 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let progress = terminal.progress();
     let look = args.picture.options(&args.run, progress)?;
     progress.at("load", 0.0)?;
-    let (scene, plan) = args.factors.plan(args.scene.load()?, terminal)?;
+    let (scene, plan) = args.factors.plan(args.scene.read()?, terminal)?;
+    args.picture.refuse_to_leave_out(&scene, &args.factors)?;
+    args.picture.warn_of_light_paths(&scene, terminal);
     progress.at("build", 0.0)?;
     let tracer = Tracer::new(&scene);
+    if scene.has_exchange() {
+        args.factors.check(&tracer, &args.run)?;
+    }
+    args.factors.check_receivers(&tracer, &args.run)?;
     let asked = Asked { pixels: look.width * look.height, chosen: None };
     let forecast = args.factors.forecast(&tracer, &args.solver, asked, &args.run)?;
     let plan = plan.foretold(&forecast);

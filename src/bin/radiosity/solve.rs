@@ -59,6 +59,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let (scene, plan) = load(args, terminal)?;
     progress.at("build", 0.0)?;
     let tracer = &Tracer::new(&scene);
+    args.factors.check_receivers(tracer, &args.run)?;
     measure::odd_placement(tracer, args.run.seed).iter().for_each(|odd| terminal.warn(odd));
     let (patches, factors, steps) = args.goal.obtain(&args.factors, tracer, &args.run, terminal)?;
     let chosen = (!steps.is_empty()).then(|| Chosen { patches: patches.len(), rays: factors.rays() });
@@ -78,6 +79,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     if let Some(tolerated) = args.goal.tolerated(&scene) {
         accuracy::missed_receivers(&received, &bars, tolerated).for_each(|text| terminal.warn(text));
     }
+    let outcome = args.goal.outcome(&bars, &scene);
     let energy = Energy::of(problem, &solution.radiance);
     let error = bars.headline(|budget| budget.upper95);
     let verdict = Verdict::of(&Answer {
@@ -136,6 +138,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         warnings: scene.warnings().to_vec(),
         verdict,
     };
+    outcome.into_iter().try_for_each(|line| terminal.say(line))?;
     job.conclude(outputs, &summary, terminal)
 }
 

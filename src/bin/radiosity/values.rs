@@ -1,9 +1,14 @@
 //! Values: how numbers with units are written on the command line.
 
+use std::str::FromStr;
 use std::time::Duration;
 
 pub fn positive(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "must be a whole number above 0".into())
+}
+
+pub fn whole<T: FromStr>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|_| "must be a whole number, 0 or more".into())
 }
 
 pub fn positive_length(text: &str) -> Result<f64, String> {

@@ -22,7 +22,7 @@ use crate::trace::{Lamps, Tracer};
 use crate::transport::exchange::{MANY, StorageKind};
 use crate::transport::form_factors::TraceOptions;
 use crate::transport::rows::{BATCHES, RAYS_PER_SHOT, RayCount, Shots};
-use crate::transport::sources::{LightOptions, RAYS_PER_LIGHT_RAY, rays_of};
+use crate::transport::sources::{LightOptions, RAYS_PER_LIGHT_RAY, rays_of, receiver_bytes};
 
 /// What something costs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -186,7 +186,7 @@ impl Forecast {
         let bytes_of = |names: &[&str]| -> u64 {
             self.stages.iter().filter(|s| names.contains(&s.name)).map(|s| s.cost.bytes).sum()
         };
-        let bytes = bytes_of(&["patch", "balance", "light"])
+        let bytes = bytes_of(&["patch", "balance", "light", "receive"])
             + bytes_of(&["trace"]).max(bytes_of(&["factor", "solve", "series", "render"]));
         Cost { bytes, ..sum(&self.stages.iter().map(|stage| stage.cost).collect::<Vec<_>>()) }
     }
@@ -435,7 +435,8 @@ impl<'a> Job<'a> {
         let around: f64 = scene.receivers().iter().map(|receiver| of_receiver(receiver.len())).sum();
         let straight = around * (scene.lights().count() + usize::from(scene.sky().is_some())) as f64;
         let seconds = self.shared(2.0 * around * self.ray + straight * self.shadow_ray);
-        cost(2.0 * around + straight, seconds, 0.0)
+        let bytes = receiver_bytes(scene, self.number, self.work.light.rays);
+        cost(2.0 * around + straight, seconds, bytes)
     }
 
     fn render(&self) -> Cost {

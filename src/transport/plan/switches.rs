@@ -64,7 +64,7 @@ pub struct Switches {
 
 /// Why a list of effects makes no sense.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what}; write auto, or +effect and -effect separated by commas, of: {}", names())]
+#[error("{what}; write auto, or +effect and -effect separated by commas, of: {}", Switches::names())]
 pub struct SwitchesError {
     /// What is wrong.
     what: String,
@@ -74,11 +74,6 @@ impl SwitchesError {
     fn new(what: String) -> Self {
         Self { what }
     }
-}
-
-/// The names of all switches as they are written.
-fn names() -> String {
-    SWITCHES.map(|(name, ..)| name.replace(' ', "-")).join(", ")
 }
 
 impl FromStr for Switches {
@@ -107,6 +102,11 @@ impl FromStr for Switches {
 }
 
 impl Switches {
+    /// The names of all effects that can be left out, as they are written.
+    pub fn names() -> String {
+        SWITCHES.map(|(name, ..)| name.replace(' ', "-")).join(", ")
+    }
+
     /// Whether an effect is to be left out.
     pub fn leave_out(&self, effect: &str) -> bool {
         self.off.contains(&effect)

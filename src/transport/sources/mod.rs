@@ -26,8 +26,8 @@ pub use carried_light::CarriedLight;
 use carried_light::Measured;
 pub(crate) use lamp_flux::LampFlux;
 use lights::Look;
-pub(crate) use receivers::rays_of;
-pub use receivers::{Received, ReceiverNoise, ReceiverRows};
+pub use receivers::{Received, ReceiverNoise, ReceiverRows, check_receivers};
+pub(crate) use receivers::{rays_of, receiver_bytes};
 
 /// Patches between two reports of progress; a number. Chosen, not fitted.
 const CHUNK: usize = 4096;

@@ -49,6 +49,16 @@ fn effects_left_to_auto_change_no_result() {
 }
 
 #[test]
+fn the_help_names_every_effect() {
+    let scratch = Scratch::new();
+    let output = radiosity(scratch.folder(), "solve --help");
+    let words: Vec<&str> = text(&output.stdout).split(|c: char| !(c.is_alphanumeric() || c == '-')).collect();
+    for name in radiosity::transport::Switches::names().split(", ") {
+        assert!(words.contains(&name), "{name}");
+    }
+}
+
+#[test]
 fn impossible_effects_are_refused() {
     let scratch = Scratch::new();
     let message = refused(scratch.folder(), "solve --effects -fog", 2);

@@ -56,6 +56,30 @@ fn a_file_in_the_way_of_the_folder_is_an_error() {
 }
 
 #[test]
+fn places_that_cannot_be_written_are_found_before_the_work() {
+    let scratch = Scratch::with(&[("results", "a file")]);
+    fs::create_dir(scratch.path("a.csv")).unwrap();
+    let before = names(scratch.folder());
+    // None of these scenes can be cut: that would be the first error of the work.
+    for (arguments, word) in [
+        ("solve -o results", "cannot make the folder results"),
+        ("solve -o results/deeper", "cannot make the folder results/deeper"),
+        ("render -o results", "--out"),
+        ("study -o results", "--out"),
+        ("form-factors -o results/a.csv", "cannot make the folder results"),
+        ("form-factors -o a.csv", "cannot write a.csv"),
+        ("solve --save-factors none/f", "cannot write none/f"),
+    ] {
+        let cut = if arguments.starts_with("study") { "" } else { "--memory 16MiB --edge 1e-4" };
+        let message = refused(scratch.folder(), &format!("{arguments} {cut}"), 1);
+        assert!(message.contains(word), "{arguments}: {message}");
+    }
+    refused(scratch.folder(), "form-factors -o new/a.csv --memory 16MiB --edge 1e-4", 1);
+    refused(scratch.folder(), "form-factors --memory 16MiB --edge 1e-4", 1);
+    assert_eq!(names(scratch.folder()), before, "no empty folder is left");
+}
+
+#[test]
 fn a_result_that_cannot_be_written_leaves_all_others_as_they_were() {
     for blocked in RESULTS {
         let scratch = Scratch::with(&RESULTS.map(|name| (name, "old")));

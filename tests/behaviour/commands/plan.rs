@@ -42,6 +42,19 @@ fn plan_tells_of_every_effect_and_stage_and_writes_nothing() {
 }
 
 #[test]
+fn plan_refuses_what_solve_would_refuse_before_tracing() {
+    let scratch = Scratch::new();
+    for arguments in ["--rays 4", "--memory 16MiB --edge 1e-3", "--shading path --effects -back-sides"] {
+        let last = |command: &str| {
+            let output = radiosity(scratch.folder(), &format!("{command} {arguments}"));
+            assert_eq!(output.status.code(), Some(1), "{command} {arguments}");
+            text(&output.stderr).lines().last().unwrap_or_default().to_owned()
+        };
+        assert_eq!(last("plan"), last("solve"));
+    }
+}
+
+#[test]
 fn solve_keeps_the_plan_it_began_with() {
     let scratch = Scratch::new();
     done(scratch.folder(), "solve -o .");

@@ -10,6 +10,7 @@
 
 mod crossings;
 mod point;
+mod size;
 
 use std::f64::consts::PI;
 
@@ -27,6 +28,8 @@ use crate::transport::rows::Tones;
 use crate::transport::variance_of_mean;
 use crossings::add_crossings;
 use point::{Found, Gather, PLANES};
+pub use size::check_receivers;
+pub(crate) use size::receiver_bytes;
 
 /// Points between two reports of progress.
 const CHUNK: usize = 1024;
