@@ -79,9 +79,8 @@ impl GoalArgs {
             false => "unknown".into(),
         };
         Some(format!(
-            "accuracy      {reached} {} (95 %), where it is the largest; asked for: {} {unit}\n",
-            place(&error),
-            two_digits(asked)
+            "accuracy      {reached} {} (95 %), where it is the largest; asked for: {asked} {unit}\n",
+            place(&error)
         ))
     }
 

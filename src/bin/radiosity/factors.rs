@@ -1,5 +1,6 @@
 //! Where form factors come from: traced now, or from a file.
 
+use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -68,6 +69,11 @@ fn check_save(path: &Path) -> Result<(), OutputError> {
         }
         _ => Ok(()),
     }
+}
+
+/// Why a file of form factors is refused.
+fn cannot_use(path: &Path, why: &dyn std::fmt::Display) -> String {
+    format!("cannot use {}: {why}", path.display())
 }
 
 /// Numbers of patches and of rays that were chosen on the way to an accuracy, and are not among the options.
@@ -185,8 +191,13 @@ impl FactorsArgs {
         Ok(())
     }
 
-    /// Refuses more patches and rays than fit, as far as that is known before the scene is cut.
+    /// Refuses more patches and rays than fit, as far as that is known before the scene is cut, or a file of
+    /// form factors that cannot be read.
     pub fn check(&self, tracer: &Tracer, run: &RunArgs) -> Result<(), Failure> {
+        if let Some(path) = &self.factors {
+            File::open(path).map_err(|e| cannot_use(path, &e))?;
+            return Ok(());
+        }
         let (_, trace) = self.options(run, Progress::default());
         let wanted = self.accuracy.wanted_patches(tracer)?;
         if trace.without_rays(tracer, wanted).is_err() {
@@ -208,10 +219,9 @@ impl FactorsArgs {
         let keep = if trace.keep == Keep::Rays { Keep::Rays } else { keep };
         let (patches, factors) = match &self.factors {
             Some(path) => {
-                let refused = |e: &dyn std::fmt::Display| format!("cannot use {}: {e}", path.display());
-                let mut file = std::fs::File::open(path).map_err(|e| refused(&e))?;
+                let mut file = File::open(path).map_err(|e| cannot_use(path, &e))?;
                 let loaded = FormFactors::load(&mut file, tracer, &tessellation, trace.storage, keep);
-                let (patches, factors, reuse) = loaded.map_err(|e| refused(&e))?;
+                let (patches, factors, reuse) = loaded.map_err(|e| cannot_use(path, &e))?;
                 let balanced = if reuse.balanced { "" } else { ", balanced anew" };
                 terminal.say(format_args!(
                     "form factors of {}: {} rows, {} traced now{balanced}",

@@ -1,7 +1,8 @@
 //! `radiosity plan`: what would be simulated, what not and why, and what it would cost.
 
+use radiosity::solve::SolveError;
 use radiosity::trace::Tracer;
-use radiosity::transport::Cost;
+use radiosity::transport::{Cost, Forecast};
 
 use crate::args::{RunArgs, SceneArgs, SolverArgs};
 use crate::factors::{Asked, FactorsArgs};
@@ -44,6 +45,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let asked = Asked { pixels: look.width * look.height, chosen: None };
     let forecast = args.factors.forecast(&tracer, &args.solver, asked, &args.run)?;
     let plan = plan.foretold(&forecast);
+    warn_of_factoring(&forecast, args.run.memory, terminal);
     let total = forecast.total();
     if args.run.json {
         let summary = serde_json::json!({
@@ -92,6 +94,15 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         "\nPredicted for {} threads of a machine like the one this was fitted on (AMD EPYC); nothing was traced.",
         forecast.threads
     ))
+}
+
+/// Says so where the matrix of the direct solver would not fit, as solving would.
+fn warn_of_factoring(forecast: &Forecast, limit: u64, terminal: &Terminal) {
+    let factor = forecast.stages.iter().find(|stage| stage.name == "factor");
+    let needed = factor.map_or(0, |stage| stage.cost.bytes);
+    if needed > limit {
+        terminal.warn(SolveError::Memory { n: forecast.patches, needed, limit });
+    }
 }
 
 /// Three numbers under their names.

@@ -44,7 +44,9 @@ fn plan_tells_of_every_effect_and_stage_and_writes_nothing() {
 #[test]
 fn plan_refuses_what_solve_would_refuse_before_tracing() {
     let scratch = Scratch::new();
-    for arguments in ["--rays 4", "--memory 16MiB --edge 1e-3", "--shading path --effects -back-sides"] {
+    for arguments in
+        ["--rays 4", "--factors none", "--memory 16MiB --edge 1e-3", "--shading path --effects -back-sides"]
+    {
         let last = |command: &str| {
             let output = radiosity(scratch.folder(), &format!("{command} {arguments}"));
             assert_eq!(output.status.code(), Some(1), "{command} {arguments}");
@@ -52,6 +54,13 @@ fn plan_refuses_what_solve_would_refuse_before_tracing() {
         };
         assert_eq!(last("plan"), last("solve"));
     }
+    let output =
+        radiosity(scratch.folder(), "plan --solver direct --memory 200MB --storage sparse --rays 64");
+    let told = text(&output.stderr);
+    assert!(
+        output.status.success() && told.contains("directly takes") && told.contains("--solver cg"),
+        "{told}"
+    );
 }
 
 #[test]

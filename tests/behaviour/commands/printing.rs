@@ -23,6 +23,22 @@ fn json_is_all_there_is_on_standard_output() {
 }
 
 #[test]
+fn an_accuracy_in_lux_is_answered_in_lux() {
+    let scratch = Scratch::new();
+    for (goal, unit) in [("60lx", "lx"), ("0.1W/m2", "W/m²")] {
+        let output = radiosity(scratch.folder(), &format!("solve -o . --size 8x6 --accuracy {goal}"));
+        let told = text(&output.stdout);
+        let line =
+            told.lines().find(|line| line.starts_with("accuracy ")).unwrap_or_else(|| panic!("{told}"));
+        let number = |before: &str| {
+            let after = line.split(before).nth(1).expect("a number follows").trim_start();
+            after.split(' ').next().unwrap().parse::<f64>().expect("a number")
+        };
+        assert!(line.ends_with(unit) && number("±") <= number("asked for:"), "{line}");
+    }
+}
+
+#[test]
 fn quiet_prints_nothing() {
     // A scene without materials would warn.
     let scratch = Scratch::with(&[("cube.obj", CUBE), ("cube.mtl", "newmtl wall\nKd 0.5\nKe 1\nPr 0.3\n")]);

@@ -1,9 +1,10 @@
 //! Leaks, cracks and open edges, and what looks like them.
 
 use radiosity::measure::{Finding, Grade};
+use radiosity::scene::Material;
 
 use super::{closed_room, judged, only, room_with_lamp, scene, shifted};
-use crate::scenes::{Quad, room};
+use crate::scenes::{Quad, quads, room};
 
 #[test]
 fn a_ceiling_that_does_not_reach_the_walls_leaks() {
@@ -67,6 +68,16 @@ fn windows_are_no_cracks_and_open_scenes_do_not_leak() {
     assert!(leaks.value > 0.1, "{leaks:?}");
     let edges = judged(&open, "open edges", Grade::Note);
     assert_eq!((edges.value, edges.faces.len()), (4.0, 1), "one rim of four edges");
+}
+
+#[test]
+fn the_open_sky_over_a_floor_is_too_wide_to_be_measured() {
+    let floor = [[-9.0, 0.0, -9.0], [-9.0, 0.0, 9.0], [9.0, 0.0, 9.0], [9.0, 0.0, -9.0]];
+    let lamp = [[0.0, 2.0, 0.0], [0.1, 2.0, 0.0], [0.1, 2.0, 0.1], [0.0, 2.0, 0.1]];
+    let materials = vec![Material::diffuse("floor", &[0.05]), Material::lamp("lamp", &[0.0], &[1.0])];
+    let leaks = judged(&quads(&[(floor, 0), (lamp, 1)], materials), "leaks", Grade::Note);
+    let remedy = leaks.remedy.unwrap();
+    assert!(remedy.contains("too wide to be measured") && !remedy.contains("inf"), "{remedy}");
 }
 
 #[test]
