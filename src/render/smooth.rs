@@ -29,8 +29,8 @@ const SAME: f64 = 1e-6;
 const CREASE: f64 = 0.866;
 
 /// Whether something stands between patches that meet is told a little within either and as far above it, as
-/// a part of the way to its centre; a ratio. Chosen: over all bends that are no creases, and below what stands
-/// on a floor.
+/// a part of the way to its centre; a ratio. Chosen: over all bends that are no creases, and below what
+/// stands on a floor.
 const INWARDS: f64 = 0.02;
 
 /// A field over patches, continuous within each smooth surface.

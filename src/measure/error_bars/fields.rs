@@ -29,7 +29,8 @@ pub(super) struct Fields {
     pub unresolved: DMatrix<f64>,
     /// What rows of form factors lack that could not be closed; none where all close.
     pub missing: Option<DMatrix<f64>>,
-    /// The most that the rounding of stored form factors changes; none where it is little by the condition alone.
+    /// The most that the rounding of stored form factors changes; none where it is little by the condition
+    /// alone.
     pub rounding: Option<DMatrix<f64>>,
 }
 
@@ -115,9 +116,10 @@ impl Fields {
     }
 }
 
-/// The most that rounding each form factor by the same part changes irradiance (n × c, W·m⁻²): to first order
-/// that part of what arrives from surfaces, of what that becomes by reflection once more, and so on. Where next
-/// to nothing absorbs the condition is large, but often little light is there; none where it is small.
+/// The most that rounding each form factor by the same part changes irradiance (n × c, W·m⁻²): to first
+/// order that part of what arrives from surfaces, of what that becomes by reflection once more, and so on.
+/// Where next to nothing absorbs the condition is large, but often little light is there; none where it is
+/// small.
 fn rounding(
     patches: &Patches,
     by_patch: &FormFactors,

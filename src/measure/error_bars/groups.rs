@@ -35,8 +35,8 @@ impl GroupError {
     /// Points of a receiver.
     pub const RECEIVER: &'static str = "receiver";
 
-    /// Whether it is large enough to speak for a scene of so many patches, receivers always are, and has light
-    /// that is more than darkness beside the scene's root mean square irradiance.
+    /// Whether it is large enough to speak for a scene of so many patches, receivers always are, and has
+    /// light that is more than darkness beside the scene's root mean square irradiance.
     pub fn counts(&self, patches: usize, irradiance: f64) -> bool {
         let is_large = self.kind == Self::RECEIVER || self.patches as f64 >= LEAST_PATCHES * patches as f64;
         is_large && self.budget.irradiance > DARK * irradiance

@@ -11,8 +11,8 @@ pub(super) const DOUBTFUL: f64 = 1e-3;
 /// eye sees it.
 pub(super) const BAD: f64 = 0.05;
 
-/// The bound on the error from which on an answer is doubtful though it may be within it; a pure number. Nobody
-/// could work with it.
+/// The bound on the error from which on an answer is doubtful though it may be within it; a pure number.
+/// Nobody could work with it.
 pub(super) const WIDE: f64 = 0.25;
 
 /// What may be missing from a sum that is exact but for rounding, relative; a pure number. Stored exchange

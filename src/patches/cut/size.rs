@@ -70,9 +70,10 @@ fn count_apart(tracer: &Tracer, around: &Surroundings) -> bool {
     !places.any(|place| around.is_beside(tracer.frame().from_world(place)))
 }
 
-/// The edge (normalised) for about `count` reached slots, and how many are reached, from the part of each face
-/// that is. Where the faces of a mesh are themselves about as many, the large ones among them are cut all the
-/// same, as finely as `count` patches would cut a mesh of few faces, for half as many patches more at most.
+/// The edge (normalised) for about `count` reached slots, and how many are reached, from the part of each
+/// face that is. Where the faces of a mesh are themselves about as many, the large ones among them are cut
+/// all the same, as finely as `count` patches would cut a mesh of few faces, for half as many patches more at
+/// most.
 fn even_edge(tracer: &Tracer, count: usize, parting: &mut Parting, faces: &[(usize, f64)]) -> (f64, f64) {
     let count = count as f64;
     let (edge, reached) = edge_for(tracer, count, count, parting, faces);
