@@ -7,10 +7,14 @@
 use nalgebra::DMatrix;
 
 use crate::patches::Patches;
+use crate::transport::Received;
 
 /// Light below this part of its mean over all patches is darkness; a ratio. Chosen: interiors of solids in
 /// scenes made by others have 1e-7 and less, and 10 000 lx by this is 0.01 lx, as by starlight.
 pub const DARK: f64 = 1e-6;
+
+/// Points that are named one by one, at most.
+const MOST_NAMED: usize = 8;
 
 /// Which patches are dark, and which lie on dark sides of faces.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,4 +40,31 @@ impl Darkness {
         }
         Self { patches: light.column(0).iter().map(|&light| light < dark).collect(), sides }
     }
+}
+
+/// Which points of a receiver get light, more than [`DARK`] of their mean in any channel: one that gets none
+/// lies within something. All of them where none does.
+pub fn lit_points(received: &Received) -> Vec<bool> {
+    let irradiance = &received.irradiance;
+    let dark = DARK * irradiance.mean();
+    let lit: Vec<bool> = irradiance.row_iter().map(|point| point.amax() > dark).collect();
+    if lit.contains(&true) { lit } else { vec![true; lit.len()] }
+}
+
+/// What is to be said of points of a receiver that get no light, if there are any.
+pub fn unlit_points(received: &Received) -> Option<String> {
+    let lit = lit_points(received);
+    let unlit: Vec<String> =
+        lit.iter().enumerate().filter(|(_, is_lit)| !**is_lit).map(|(point, _)| point.to_string()).collect();
+    let which = match unlit.len() {
+        0 => return None,
+        few if few <= MOST_NAMED => unlit.join(", "),
+        many => format!("{} and {} more", unlit[..MOST_NAMED].join(", "), many - MOST_NAMED),
+    };
+    Some(format!(
+        "receiver {}: {} of its {} points get no light, as if within a solid, and count in no mean, minimum or uniformity: {which}",
+        received.receiver.name,
+        unlit.len(),
+        lit.len(),
+    ))
 }

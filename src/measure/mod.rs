@@ -25,7 +25,7 @@ pub use accuracy::{
 pub use comparison::{
     Agreement, AgreementTest, Comparison, Difference, MeshError, OrderOptions, OrderRow, RelativeRms, Worst,
 };
-pub use darkness::{DARK, Darkness};
+pub use darkness::{DARK, Darkness, lit_points, unlit_points};
 pub use energy::Energy;
 pub use error_bars::{BOUND_95, ErrorBars, ErrorBudget, ErrorPart, FITTED, Fitted, GroupError, ReceiverBars};
 pub use health::{

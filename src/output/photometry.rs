@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::table::{digits, write_columns};
-use crate::measure::{Darkness, ErrorBars, ReceiverBars};
+use crate::measure::{Darkness, ErrorBars, ReceiverBars, lit_points};
 use crate::patches::Patches;
 use crate::render::to_rgb;
 use crate::scene::{Light, Scene, luminance};
@@ -180,17 +180,15 @@ impl Photometry {
         scene.lights().enumerate().map(row).collect()
     }
 
-    /// What a receiver measures and how wrong that may be, at an efficacy in lm·W⁻¹.
-    pub fn of_receiver(
-        Received { receiver, irradiance, .. }: &Received,
-        bars: &ReceiverBars,
-        efficacy: f64,
-    ) -> Self {
+    /// What a receiver measures and how wrong that may be, at an efficacy in lm·W⁻¹; of its points within the
+    /// margin that [get light](lit_points).
+    pub fn of_receiver(received: &Received, bars: &ReceiverBars, efficacy: f64) -> Self {
+        let Received { receiver, irradiance, .. } = received;
         let area = receiver.edges[0].cross(receiver.edges[1]).length();
         let lux = luminous(irradiance, efficacy);
         let part = area / receiver.len() as f64;
-        let inner: Vec<usize> =
-            (0..lux.len()).zip(receiver.inner()).filter(|(_, is)| *is).map(|(i, _)| i).collect();
+        let counted = receiver.inner().zip(lit_points(received)).map(|(is_inner, is_lit)| is_inner && is_lit);
+        let inner: Vec<usize> = counted.enumerate().filter(|(_, counts)| *counts).map(|(i, _)| i).collect();
         let illuminance = Levels::of(inner.iter().map(|&i| (lux[i], part)));
         let illuminance_error = illuminance.map(|levels| {
             let lowest = inner.iter().copied().find(|&i| lux[i] == levels.minimum).unwrap_or(0);

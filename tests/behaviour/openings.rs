@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use radiosity::patches::{Basis, PatchSize, Patches, Tessellation};
 use radiosity::scene::{Face, FaceState, Light, Material, Scene, SceneParts, Sky, SkyKind};
 use radiosity::trace::Tracer;
-use radiosity::transport::{LightOptions, Sources};
+use radiosity::transport::{FormFactors, LightOptions, Sources, TraceOptions};
 
 /// Numbers in [0, 1) that are always the same.
 struct Numbers(u64);
@@ -64,9 +64,13 @@ fn room(size: DVec3, [x, z, w, d]: [f64; 4], wall: Wall, turn: DMat3) -> Vec<[DV
 }
 
 fn black(quads: &[[DVec3; 4]], lights: Vec<Light>, sky: Option<Sky>) -> Scene {
+    of_reflectance(0.0, quads, lights, sky)
+}
+
+fn of_reflectance(reflectance: f64, quads: &[[DVec3; 4]], lights: Vec<Light>, sky: Option<Sky>) -> Scene {
     let mut parts = SceneParts {
         name: "room".into(),
-        materials: vec![Material::diffuse("black", &[0.0])],
+        materials: vec![Material::diffuse("wall", &[reflectance])],
         objects: vec!["room".into()],
         lights,
         sky,
@@ -140,4 +144,41 @@ fn what_sun_sends_through_a_small_opening_lands_inside() {
         let exact = 100.0 * direction.dot(inwards) * w * d;
         assert!((flux / exact - 1.0).abs() < 0.005, "{told}: {flux} {exact}");
     }
+}
+
+#[test]
+fn what_an_even_sky_brings_is_what_form_factors_let_out() {
+    let mut numbers = Numbers(11);
+    let (mut squares, mut count) = (0.0, 0);
+    for k in 0..12 {
+        let (quads, _, _, told) = random_room(k, &mut numbers);
+        let sky = Sky { kind: SkyKind::Constant, up: DVec3::Y, zenith: vec![1.0], ground: 0.0 };
+        let scene = of_reflectance(0.5, &quads, Vec::new(), Some(sky));
+        let tracer = Tracer::new(&scene);
+        let options = Tessellation { size: PatchSize::Count(600), ..Default::default() };
+        let mut patches = Patches::new(&tracer, &options).unwrap();
+        let rays = 1024;
+        let options = TraceOptions { rays: Some(rays), ..Default::default() };
+        let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
+        let options = LightOptions { rays: 4096, ..Default::default() };
+        let direct = Sources::trace(&tracer, &patches, Basis::Constant, &options).unwrap().direct.unwrap();
+        // H₀ = π L F_i∞ with L = 1; rays that leave by chance are counted.
+        let (mut out, mut all, mut variance) = (0.0, 0.0, 0.0);
+        for i in 0..patches.len() {
+            let (area, exact) = (patches.area(i), direct[i] / PI);
+            let counted = factors.exchange().escape(i);
+            let by_chance = area * area * exact * (1.0 - exact).max(0.0) / f64::from(rays);
+            out += counted;
+            all += area * exact;
+            variance += by_chance;
+            if exact > 0.01 && exact < 0.99 {
+                squares += (counted - area * exact).powi(2) / by_chance;
+                count += 1;
+            }
+        }
+        assert!((out - all).abs() < 4.0 * variance.sqrt() + 1e-3 * all, "{told}: {out} {all}");
+    }
+    // Stratified rays scatter less than by chance alone.
+    let rms = (squares / f64::from(count)).sqrt();
+    assert!(count > 200 && rms > 0.2 && rms < 1.0, "{count} patches, {rms} standard errors");
 }

@@ -75,6 +75,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let Solved { solution, series, lamps } = &job.solve(progress)?;
 
     let received = job.receive(solution, &light)?;
+    received.iter().filter_map(measure::unlit_points).for_each(|text| terminal.warn(text));
     let bars = ErrorBars::with_receivers(&patches, problem, solution, &received, progress)?;
     if let Some(tolerated) = args.goal.tolerated(&scene) {
         accuracy::missed_receivers(&received, &bars, tolerated).for_each(|text| terminal.warn(text));
