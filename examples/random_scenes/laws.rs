@@ -10,7 +10,7 @@ use std::thread;
 use std::time::Instant;
 
 use nalgebra::DMatrix;
-use radiosity::measure::{Answer, Cause, Energy, ErrorBars, ErrorBudget, ErrorPart, Verdict};
+use radiosity::measure::{Answer, Energy, ErrorBars, ErrorBudget, ErrorPart, Verdict};
 use radiosity::patches::{FaceRow, PatchSize, Patches, Tessellation};
 use radiosity::progress::Progress;
 use radiosity::scene::{Scene, Side};
@@ -207,8 +207,6 @@ impl Solved {
             budget: Some(&bars.budget),
             tolerance: TOLERANCE,
         });
-        // That bounds are wide is no word about a bound that is exceeded.
-        let verdict = verdict.without(Cause::Uncertain);
         let reasons = verdict.reasons.iter();
         Ok(Self {
             faces: patches.average_by_face(&solution.irradiance),

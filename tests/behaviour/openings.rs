@@ -180,5 +180,5 @@ fn what_an_even_sky_brings_is_what_form_factors_let_out() {
     }
     // Stratified rays scatter less than by chance alone.
     let rms = (squares / f64::from(count)).sqrt();
-    assert!(count > 200 && rms > 0.2 && rms < 1.0, "{count} patches, {rms} standard errors");
+    assert!(count > 50 && rms > 0.5 && rms < 1.0, "{count} patches, {rms} standard errors");
 }

@@ -89,9 +89,10 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         problem,
         solution,
         energy: &energy,
-        budget: Some(&error.budget),
+        budget: Some(&bars.budget),
         tolerance: args.solver.tolerance,
     });
+    let verdict = verdict.with_error(&error);
     let pictures = job.draw(solution, &look)?;
     picture::warn_if_black(&pictures.picture, solution.irradiance.amax(), terminal);
 

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::constants::{LEAST_MESH_POWER, MESH_POWER, MESH_POWERS, TELLING_RATIO};
 use super::goal::{AccuracyStep, Goal, Setting, Tolerated};
 use crate::measure::error_bars::{ErrorBars, ErrorBudget, ErrorPart};
-use crate::measure::{Answer, Cause, Energy, Level, MeasureError, Verdict};
+use crate::measure::{Answer, Energy, Level, MeasureError, Verdict};
 use crate::patches::{Cutter, PatchSize, Patches, Tessellation};
 use crate::solve::{CgOptions, Problem};
 use crate::trace::Tracer;
@@ -120,8 +120,6 @@ impl<'s> Search<'_, 's> {
             budget: Some(&bars.budget),
             tolerance: options.tolerance,
         });
-        // The goal is about error bars; the verdict tells what these do not know of.
-        let verdict = verdict.without(Cause::Uncertain);
         let size = |budget: &ErrorBudget| match self.goal.error {
             Some(Tolerated::Irradiance(_)) => budget.upper95 * budget.irradiance,
             Some(Tolerated::Relative(_)) | None => budget.upper95,

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use super::constants::{DARK, DOUBTFUL, STANDARD_ERRORS, WIDE};
+use super::constants::{DARK, DOUBTFUL, STANDARD_ERRORS};
 use super::{Answer, Cause, Energy, Level, Reason, places};
 use crate::measure::ErrorPart;
 use crate::scene::{Scene, Side, triangle};
@@ -165,13 +165,6 @@ pub(super) fn directions(answer: &Answer) -> Option<Reason> {
     let reason = listed(answer, Cause::Directions, Level::Doubtful, faces.collect())?;
     let does_harm = reason.power_share.is_none_or(|share| share >= DOUBTFUL);
     Some(Reason { level: if does_harm { Level::Doubtful } else { Level::Good }, ..reason })
-}
-
-/// The bound on the error is not so wide that nobody could work with it.
-pub(super) fn uncertain(answer: &Answer) -> Option<Reason> {
-    let is_wide = answer.budget.is_some_and(|budget| budget.upper95 > WIDE);
-    let scene = answer.tracer.scene();
-    is_wide.then(|| Reason::new(Cause::Uncertain, Level::Doubtful, None, Vec::new(), scene))
 }
 
 /// What is known of some faces, with the part of all light that arrives there.

@@ -19,12 +19,12 @@ mod rows;
 
 use serde::Serialize;
 
-use super::{Energy, ErrorBudget};
+use super::{Energy, ErrorBudget, GroupError};
 use crate::patches::Patches;
 use crate::scene::Scene;
 use crate::solve::{Problem, Solution};
 use crate::trace::Tracer;
-use constants::{BAD, EXACT, TOLERANCES};
+use constants::{BAD, EXACT, TOLERANCES, WIDE};
 
 /// How far an answer can be relied on; the later, the less.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -216,7 +216,7 @@ pub struct Answer<'a> {
     pub solution: &'a Solution,
     /// Where the power goes.
     pub energy: &'a Energy,
-    /// How wrong irradiance is said to be, of all faces or of what speaks for the answer, if that is known.
+    /// How wrong irradiance is said to be, if that is known.
     pub budget: Option<&'a ErrorBudget>,
     /// The [tolerance](crate::solve#tolerance) that iterations were to meet.
     pub tolerance: f64,
@@ -261,13 +261,6 @@ impl Verdict {
             reasons.extend(light::overlaps(answer));
             reasons.extend(light::directions(answer));
         }
-        // What bounds nothing, or is short by what later orders add, has been named.
-        if reasons
-            .iter()
-            .all(|reason| !matches!(reason.cause, Cause::NotFinite | Cause::Unbounded | Cause::Truncation))
-        {
-            reasons.extend(light::uncertain(answer));
-        }
         Self::from_reasons(reasons)
     }
 
@@ -278,9 +271,18 @@ impl Verdict {
         Self { level, reasons }
     }
 
-    /// The same verdict but for one cause.
-    pub fn without(self, cause: Cause) -> Self {
-        Self::from_reasons(self.reasons.into_iter().filter(|reason| reason.cause != cause).collect())
+    /// The same, doubtful where the error of what speaks for the answer may be so large that nobody could
+    /// work with it, unless it has been said that it is not known or that orders are missing.
+    pub fn with_error(mut self, error: &GroupError) -> Self {
+        let is_named =
+            |reason: &Reason| matches!(reason.cause, Cause::NotFinite | Cause::Unbounded | Cause::Truncation);
+        if error.budget.upper95 > WIDE && !self.reasons.iter().any(is_named) {
+            let (level, cause) = (Level::Doubtful, Cause::Uncertain);
+            let (faces, objects) = (Vec::new(), Vec::new());
+            let remedy = cause.remedy();
+            self.reasons.push(Reason { level, cause, faces, objects, power_share: None, remedy });
+        }
+        Self::from_reasons(self.reasons)
     }
 
     /// Names of the causes, in one phrase.

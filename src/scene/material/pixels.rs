@@ -1,9 +1,9 @@
 //! Pixels: a picture in linear light, read between its texels and averaged over triangles.
 //!
 //! Texel (i, j) lies at (i + ½, j + ½), rows from the top. In between the picture is bilinear, and so exactly
-//! integrable: over a cell between four texels its mean is theirs, and where a triangle covers a part of a cell
-//! that part is cut into triangles, over which, as the picture is quadratic along any line, the mean of the
-//! middles of the edges is exact.
+//! integrable: over a cell between four texels its mean is theirs, and where a triangle covers a part of a
+//! cell that part is cut into triangles, over which, as the picture is quadratic along any line, the mean of
+//! the middles of the edges is exact.
 
 use std::ops::Range;
 use std::sync::Arc;
