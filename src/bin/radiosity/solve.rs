@@ -2,7 +2,7 @@
 
 use std::iter;
 
-use radiosity::measure::{self, Answer, Energy, ErrorBars, Undershoot, Verdict};
+use radiosity::measure::{self, Answer, Energy, ErrorBars, GroupError, Undershoot, Verdict};
 use radiosity::output::{self, Outputs, Photometry, Quantity, SeriesSummary, Summary};
 use radiosity::parallel;
 use radiosity::patches::Patches;
@@ -81,18 +81,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
         accuracy::missed_receivers(&received, &bars, tolerated).for_each(|text| terminal.warn(text));
     }
     let outcome = args.goal.outcome(&bars, &scene);
-    let energy = Energy::of(problem, &solution.radiance);
-    let error = bars.headline(|budget| budget.upper95);
-    let verdict = Verdict::of(&Answer {
-        tracer,
-        patches: &patches,
-        problem,
-        solution,
-        energy: &energy,
-        budget: Some(&bars.budget),
-        tolerance: args.solver.tolerance,
-    });
-    let verdict = verdict.with_error(&error);
+    let (energy, error, verdict) = job.judge(solution, &bars);
     let pictures = job.draw(solution, &look)?;
     picture::warn_if_black(&pictures.picture, solution.irradiance.amax(), terminal);
 
@@ -104,13 +93,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     let exposure = args.picture.exposure(&pictures.picture);
     outputs
         .file("mesh.ply", |file| output::write_ply(file, tracer, &patches, &solution.radiance, exposure))?;
-    let received: Vec<_> = received.iter().zip(&bars.receivers).collect();
-    let efficacy = scene.efficacy();
-    if !received.is_empty() {
-        outputs.file("receivers.csv", |file| output::write_receivers(file, &received, efficacy))?;
-    }
-    let of_receivers =
-        received.iter().map(|(received, bars)| Photometry::of_receiver(received, bars, efficacy)).collect();
+    let of_receivers = job.write_receivers(&mut outputs, &received, &bars)?;
     let photometry = job.write_photometry(&mut outputs, (means, &bars), of_receivers)?;
     job.write_false_colours(&mut outputs, &pictures)?;
     job.write_lamps(&mut outputs, lamps)?;
@@ -181,6 +164,40 @@ struct Pictures {
 impl Job<'_> {
     fn scene(&self) -> &Scene {
         self.tracer.scene()
+    }
+
+    /// Where the power goes, the error that speaks for the answer, and whether it can be relied on.
+    fn judge(&self, solution: &Solution, bars: &ErrorBars) -> (Energy, GroupError, Verdict) {
+        let energy = Energy::of(self.problem, &solution.radiance);
+        let error = bars.headline(|budget| budget.upper95);
+        let verdict = Verdict::of(&Answer {
+            tracer: self.tracer,
+            patches: self.patches,
+            problem: self.problem,
+            solution,
+            energy: &energy,
+            budget: Some(&bars.budget),
+            tolerance: self.args.solver.tolerance,
+        });
+        let verdict = verdict.with_error(&error);
+        (energy, error, verdict)
+    }
+
+    /// Writes `receivers.csv` where there are any; their photometry.
+    fn write_receivers(
+        &self,
+        outputs: &mut Outputs,
+        received: &[Received],
+        bars: &ErrorBars,
+    ) -> Result<Vec<Photometry>, Failure> {
+        let efficacy = self.scene().efficacy();
+        let received: Vec<_> = received.iter().zip(&bars.receivers).collect();
+        if !received.is_empty() {
+            outputs.file("receivers.csv", |file| output::write_receivers(file, &received, efficacy))?;
+        }
+        let photometry =
+            received.iter().map(|(received, bars)| Photometry::of_receiver(received, bars, efficacy));
+        Ok(photometry.collect())
     }
 
     /// Solves for all lamps together and for each group of lamps by itself, and sums the series.
