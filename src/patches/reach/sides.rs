@@ -286,7 +286,7 @@ impl Patches<'_> {
         let facet = self.facet(tracer, slot);
         let sequence = Stream::LightLooks.sequence(seed, slot, 0);
         let [mut arrived, mut scratch] = [0, 1].map(|_| vec![0.0; self.scene.channels()]);
-        let sky = lights.sky_over(tracer, (&facet.corners, facet.face), facet.normal);
+        let sky = lights.sky_over(tracer, &facet.corners, facet.normal);
         range.any(|k| {
             let [s, t, u, v] = sequence.point(k);
             arrived.fill(0.0);

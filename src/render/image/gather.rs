@@ -185,7 +185,7 @@ impl<'a, 's> Gather<'a, 's> {
             sky: self
                 .lights
                 .as_ref()
-                .and_then(|lights| lights.sky_over(self.tracer, (&[place.point], place.face), place.normal)),
+                .and_then(|lights| lights.sky_over(self.tracer, &[place.point], place.normal)),
         });
         let seen = Seen { lamps: &view, bright: &around.bright };
         // What varies from one side to the other cancels in two opposite ways.

@@ -54,11 +54,6 @@ impl Apertures {
 }
 
 impl ApertureView {
-    /// No aperture at all.
-    pub fn none() -> Self {
-        Apertures::default().view(&[DVec3::ZERO], DVec3::ZERO)
-    }
-
     /// Whether no aperture is above the horizon.
     pub fn is_empty(&self) -> bool {
         self.seen.is_empty()

@@ -212,15 +212,10 @@ impl Lights {
         [s, weight(b - a, point - a).min(1.0 - s)]
     }
 
-    /// The sky as it is looked for from a flat surface of a face with these corners, or this one point, and
-    /// this normal.
-    pub fn sky_over(
-        &self,
-        tracer: &Tracer,
-        (corners, face): (&[DVec3], u32),
-        normal: DVec3,
-    ) -> Option<SkyView> {
-        self.sky.as_ref().map(|sky| SkyView::over(tracer, sky, (corners, face), normal))
+    /// The sky as it is looked for from a flat surface with these corners, or this one point, and this
+    /// normal.
+    pub fn sky_over(&self, tracer: &Tracer, corners: &[DVec3], normal: DVec3) -> Option<SkyView> {
+        self.sky.as_ref().map(|_| SkyView::over(tracer.apertures(), corners, normal))
     }
 
     /// The apertures through which a sun may reach a triangle with this normal.

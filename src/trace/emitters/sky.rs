@@ -7,16 +7,19 @@ use glam::{DMat3, DVec3};
 
 use super::environment::EnvironmentSampler;
 use crate::scene::{Environment, Sky, SkyKind, SkyShares, triangle};
-use crate::trace::apertures::ApertureView;
+use crate::trace::apertures::{ApertureView, Apertures};
 use crate::trace::sampling::{
-    Discrete, SEQUENCE_END, Stream, cosine_hemisphere, cosine_hemisphere_pdf, frame_around, uniform_triangle,
+    Discrete, SEQUENCE_END, cosine_hemisphere, cosine_hemisphere_pdf, frame_around, uniform_triangle,
 };
 use crate::trace::solid_angle::target;
-use crate::trace::{Ray, Tracer};
 
 /// Cells of equal solid angle by which brightness is known: rings from zenith to nadir, and parts of each.
 const RINGS: usize = 64;
 const PARTS: usize = 64;
+
+/// A sky whose brightest cell is no more than so many times as bright as its mean, where it shines, is drawn by
+/// the cosine alone; a ratio. Chosen, not fitted: by brightness a wall would lose all that shines on its back.
+const PEAKED: f64 = 3.0;
 
 /// Draws directions into a sky.
 #[derive(Clone, Debug)]
@@ -31,10 +34,10 @@ pub struct SkySampler {
 /// By what a sky's bright directions are drawn.
 #[derive(Clone, Debug)]
 enum Brightness {
-    /// All directions are alike.
+    /// All directions are much alike.
     Even,
-    /// By chances of the cells.
-    Cells(Discrete),
+    /// By chances of the rings, and of the parts of each.
+    Cells { rings: Discrete, parts: Vec<Discrete> },
     /// By a picture.
     Environment(Arc<Environment>, EnvironmentSampler),
 }
@@ -78,18 +81,11 @@ const FROM_APERTURES: f64 = 0.5;
 /// a number. Chosen, not fitted: there are few of these.
 const MORE_RAYS: u32 = 8;
 
-/// Rays into the sky by which a place is judged, and how many of them must pass for it to lie open: then it
-/// needs no apertures. Numbers, chosen and not fitted: where a quarter of rays pass, few do.
-const GLANCES: [u32; 2] = [8, 2];
-
 impl SkyView {
-    /// The sky as it is looked for from a flat surface of a face with these corners, or this one point, and
-    /// this normal.
-    pub fn over(tracer: &Tracer, sky: &SkySampler, (corners, face): (&[DVec3], u32), normal: DVec3) -> Self {
-        let apertures = tracer.apertures();
-        let needs_none = apertures.is_empty() || is_open(tracer, sky, (corners, face), normal);
-        let apertures = if needs_none { ApertureView::none() } else { apertures.view(corners, normal) };
-        Self { apertures, normal }
+    /// The sky as it is looked for from a flat surface with these corners, or this one point, and this
+    /// normal.
+    pub fn over(apertures: &Apertures, corners: &[DVec3], normal: DVec3) -> Self {
+        Self { apertures: apertures.view(corners, normal), normal }
     }
 
     /// Rays to be drawn over a triangle, where others have so many.
@@ -156,37 +152,18 @@ impl SkyView {
     }
 }
 
-/// Whether a good part of the sky is seen from a place.
-fn is_open(tracer: &Tracer, sky: &SkySampler, (corners, face): (&[DVec3], u32), normal: DVec3) -> bool {
-    let [glances, enough] = GLANCES;
-    let sequence = Stream::OpenSky.sequence(0, 0, 0);
-    let mut left = vec![1.0; tracer.scene().channels()];
-    let passes = |&k: &u32| {
-        let [s, t, u, v] = sequence.point(k);
-        let origin = match *corners {
-            [a, b, c] => triangle::point(&[a, b, c], uniform_triangle([s, t])),
-            _ => corners[0],
-        };
-        let beam = sky.sample(normal, [u, v]);
-        left.fill(1.0);
-        let ray = Ray { origin, direction: beam.direction, from: face };
-        beam.weight > 0.0 && tracer.passes(&ray, f64::INFINITY, &mut left)
-    };
-    (0..glances).filter(passes).take(enough as usize).count() == enough as usize
-}
-
 impl SkySampler {
     /// Makes a sampler for a sky.
     pub fn new(sky: &Sky) -> Self {
         let shares = sky.shares();
         let frame = frame_around(sky.up);
-        let share = |cell: usize| shares.from(frame * in_cell(cell, [0.5; 2]));
+        let share = |cell: usize| shares.from(frame * in_cell([cell / PARTS, cell % PARTS], [0.5; 2]));
         let brightness = match &sky.kind {
             SkyKind::Constant => Brightness::Even,
             SkyKind::Environment(environment) => {
                 Brightness::Environment(environment.clone(), EnvironmentSampler::new(environment))
             }
-            _ => Brightness::Cells(Discrete::new((0..RINGS * PARTS).map(share)).normalised()),
+            _ => Brightness::of_cells(&(0..RINGS * PARTS).map(share).collect::<Vec<_>>()),
         };
         Self { shares, zenith: sky.zenith.clone(), frame, brightness }
     }
@@ -225,9 +202,10 @@ impl SkySampler {
         match &self.brightness {
             Brightness::Even => by_cosine([u, v]),
             _ if u < 0.5 => by_cosine([2.0 * u, v]),
-            Brightness::Cells(cells) => {
-                let (cell, fresh) = cells.draw(2.0 * u - 1.0);
-                self.frame * in_cell(cell, [fresh, v])
+            Brightness::Cells { rings, parts } => {
+                let (ring, v) = rings.draw(v);
+                let (part, u) = parts[ring].draw(2.0 * u - 1.0);
+                self.frame * in_cell([ring, part], [u, v])
             }
             Brightness::Environment(environment, sampler) => sampler.sample(environment, [2.0 * u - 1.0, v]),
         }
@@ -255,9 +233,9 @@ impl SkySampler {
         let by_cosine = cosine_hemisphere_pdf(cosine);
         let by_brightness = match &self.brightness {
             Brightness::Even => return by_cosine,
-            Brightness::Cells(cells) => {
-                let cell = cell_of(self.frame.transpose() * direction);
-                cells.weight(cell) * (RINGS * PARTS) as f64 / (4.0 * PI)
+            Brightness::Cells { rings, parts } => {
+                let [ring, part] = cell_of(self.frame.transpose() * direction);
+                rings.weight(ring) * parts[ring].weight(part) * (RINGS * PARTS) as f64 / (4.0 * PI)
             }
             Brightness::Environment(environment, sampler) => sampler.pdf(environment, direction),
         };
@@ -265,18 +243,32 @@ impl SkySampler {
     }
 }
 
-/// The cell that a direction lies in; the third axis is up.
-fn cell_of(direction: DVec3) -> usize {
+impl Brightness {
+    /// By the brightness of cells, ring by ring.
+    fn of_cells(cells: &[f64]) -> Self {
+        let (sum, shining) = (cells.iter().sum::<f64>(), cells.iter().filter(|&&cell| cell > 0.0).count());
+        if cells.iter().copied().fold(0.0, f64::max) * shining as f64 <= PEAKED * sum {
+            return Self::Even;
+        }
+        let parts: Vec<Discrete> =
+            cells.chunks(PARTS).map(|ring| Discrete::new(ring.iter().copied())).collect();
+        let rings = Discrete::new(parts.iter().map(Discrete::total)).normalised();
+        Self::Cells { rings, parts: parts.into_iter().map(Discrete::normalised).collect() }
+    }
+}
+
+/// The ring and part of the cell that a direction lies in; the third axis is up.
+fn cell_of(direction: DVec3) -> [usize; 2] {
     let place = |x: f64, count: usize| ((x * count as f64) as usize).min(count - 1);
     let ring = place(0.5 * (1.0 - direction.z), RINGS);
     let part = place(0.5 + direction.y.atan2(direction.x) / TAU, PARTS);
-    ring * PARTS + part
+    [ring, part]
 }
 
 /// A direction within a cell, uniform in solid angle; the third axis is up.
-fn in_cell(cell: usize, [u, v]: [f64; 2]) -> DVec3 {
-    let height = 1.0 - 2.0 * ((cell / PARTS) as f64 + v) / RINGS as f64;
-    let angle = (((cell % PARTS) as f64 + u) / PARTS as f64 - 0.5) * TAU;
+fn in_cell([ring, part]: [usize; 2], [u, v]: [f64; 2]) -> DVec3 {
+    let height = 1.0 - 2.0 * (ring as f64 + v) / RINGS as f64;
+    let angle = ((part as f64 + u) / PARTS as f64 - 0.5) * TAU;
     let radius = (1.0 - height * height).max(0.0).sqrt();
     DVec3::new(radius * angle.cos(), radius * angle.sin(), height)
 }

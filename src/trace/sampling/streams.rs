@@ -107,8 +107,6 @@ streams! {
     PlacedRays = 38,
     /// Directions from narrow spots to what they shine on: 0; the light.
     Narrow = 39,
-    /// Rays by which a place is found to lie open to the sky: 0.
-    OpenSky = 40,
     /// Lines by which apertures are judged: the candidate; the side.
     Apertures = 32,
     /// What callers of this library draw for purposes of their own, tests among them: anything; anything.

@@ -178,7 +178,7 @@ impl LooksForLight for Look<'_> {
             };
             add(&seen, 1.0, scale, self.lights.power(light));
         }
-        let view = self.lights.sky_over(self.tracer, (&facet.corners, facet.face), facet.normal);
+        let view = self.lights.sky_over(self.tracer, &facet.corners, facet.normal);
         if let (Some(view), Some(sky)) = (view, self.lights.sky()) {
             let rays = view.rays(self.rays);
             let (sequence, points) = Stream::Sky.stretch(self.seed, slot, u64::from(rays != self.rays), rays);

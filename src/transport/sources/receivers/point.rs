@@ -138,8 +138,7 @@ impl Gather<'_, '_> {
 
     /// A plane through a point with a normal.
     fn place(&self, point: DVec3, normal: DVec3) -> Place {
-        let from = (&[point][..], Ray::FREE);
-        let sky = self.lights.as_ref().and_then(|lights| lights.sky_over(self.tracer, from, normal));
+        let sky = self.lights.as_ref().and_then(|lights| lights.sky_over(self.tracer, &[point], normal));
         Place {
             point,
             normal,
