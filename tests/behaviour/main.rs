@@ -9,6 +9,7 @@ mod commands; // what the program writes, prints and answers
 mod comparison; // the verdict on right solvers and on wrong ones
 mod contacts; // where surfaces touch: nothing leaks, counts hold
 mod convex; // exact form factors where nothing can hide anything
+mod darkness; // what light reaches only by leaks, points within solids, answers that tell little
 mod effects; // what is lost without an effect, and that nothing else changes
 mod environments; // skies from pictures
 mod error_bars; // what an answer says of its own error, held against what the error is

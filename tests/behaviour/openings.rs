@@ -150,17 +150,17 @@ fn what_sun_sends_through_a_small_opening_lands_inside() {
 fn what_an_even_sky_brings_is_what_form_factors_let_out() {
     let mut numbers = Numbers(11);
     let (mut squares, mut count) = (0.0, 0);
-    for k in 0..12 {
+    for k in 0..8 {
         let (quads, _, _, told) = random_room(k, &mut numbers);
         let sky = Sky { kind: SkyKind::Constant, up: DVec3::Y, zenith: vec![1.0], ground: 0.0 };
         let scene = of_reflectance(0.5, &quads, Vec::new(), Some(sky));
         let tracer = Tracer::new(&scene);
-        let options = Tessellation { size: PatchSize::Count(600), ..Default::default() };
+        let options = Tessellation { size: PatchSize::Count(400), ..Default::default() };
         let mut patches = Patches::new(&tracer, &options).unwrap();
         let rays = 1024;
         let options = TraceOptions { rays: Some(rays), ..Default::default() };
         let factors = FormFactors::trace(&tracer, &mut patches, &options).unwrap();
-        let options = LightOptions { rays: 4096, ..Default::default() };
+        let options = LightOptions { rays: 1024, ..Default::default() };
         let direct = Sources::trace(&tracer, &patches, Basis::Constant, &options).unwrap().direct.unwrap();
         // H₀ = π L F_i∞ with L = 1; rays that leave by chance are counted.
         let (mut out, mut all, mut variance) = (0.0, 0.0, 0.0);
@@ -180,5 +180,5 @@ fn what_an_even_sky_brings_is_what_form_factors_let_out() {
     }
     // Stratified rays scatter less than by chance alone.
     let rms = (squares / f64::from(count)).sqrt();
-    assert!(count > 50 && rms > 0.5 && rms < 1.0, "{count} patches, {rms} standard errors");
+    assert!(count > 30 && rms > 0.5 && rms < 1.0, "{count} patches, {rms} standard errors");
 }
