@@ -4,6 +4,7 @@ mod contacts;
 mod cutter;
 mod fineness;
 mod grid;
+mod lit_share;
 mod locator;
 mod outlook;
 mod part;

@@ -1,8 +1,8 @@
-//! Outlook: how many patches a cut will give, and where, told from the shape alone before a ray is traced.
+//! Outlook: how many patches a cut will give, and where, told before the scene is cut.
 //!
-//! A surface without a rim parts the inside from the outside, and light is taken to reach but one of the two;
-//! of any other surface it is taken to reach both sides. A side that looks away from everything counts only
-//! where lights come from outside.
+//! A surface without a rim parts the inside from the outside, and light is taken to reach but one of the two.
+//! Of any other surface it may reach both sides, and a few light paths tell how many of them it does. A side
+//! that looks away from everything counts only where lights come from outside.
 
 use std::collections::HashMap;
 
@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use super::fineness::Fineness;
 use super::grid::cells_for;
+use super::lit_share::lit_share;
 use super::parts::Parting;
 use super::size::fineness_for;
 use crate::patches::{PatchError, PatchSize};
@@ -82,7 +83,7 @@ impl Outlook {
     }
 }
 
-/// Which sides of faces light probably reaches, 1 or 0, front first; all of a scene's where that would be
+/// Which sides of faces light probably reaches, from 0 to 1, front first; all of a scene's where that would be
 /// none. And the faces of which it reaches one side through the other.
 fn likely_sides(tracer: &Tracer) -> (Vec<[f64; 2]>, Vec<usize>) {
     let scene = tracer.scene();
@@ -99,13 +100,16 @@ fn likely_sides(tracer: &Tracer) -> (Vec<[f64; 2]>, Vec<usize>) {
         normal.dot(farthest - p) > 1e-9
     };
     let mut sides = vec![[0.0; 2]; scene.faces().len()];
-    let mut through = Vec::new();
+    let (mut through, mut doubtful) = (Vec::new(), Vec::new());
     for (inside, face) in sides_of_surfaces(tracer, &kept).into_iter().zip(&kept) {
         for (k, side) in Side::BOTH.into_iter().enumerate() {
             let lit = inside.is_none_or(|inside| inside == side) && looks_at_something(*face, side);
             let lit = lit || (from_outside && inside.is_none());
             let lit = lit && (side == Side::Front || !scene.is_without(Feature::BackSides));
             sides[*face][k] = f64::from(u8::from(lit));
+            if lit && inside.is_none() {
+                doubtful.push((*face, side));
+            }
         }
         // What comes through a sheet lights its other side.
         if scene.material_of(*face).transmittance().is_some() && sides[*face][0] != sides[*face][1] {
@@ -113,6 +117,11 @@ fn likely_sides(tracer: &Tracer) -> (Vec<[f64; 2]>, Vec<usize>) {
             through.push(*face);
         }
     }
+    let share = lit_share(tracer, &doubtful);
+    doubtful.iter().for_each(|&(face, side)| {
+        let k = usize::from(side == Side::Back);
+        sides[face][k] *= share[k];
+    });
     if sides.iter().flatten().all(|&side| side == 0.0) {
         kept.iter().for_each(|&face| sides[face] = [1.0; 2]);
     }

@@ -1,8 +1,10 @@
 //! Constants of the forecast: what parts of a run cost, and how many of them there are.
 //!
-//! Those called *fitted* were fitted to timed runs on two cores of an AMD EPYC (Zen). The scenes of these
-//! runs are not recorded, and no script makes the fit again; `tests/behaviour/plan.rs` holds numbers of
-//! patches, rays and bytes against runs, but not seconds.
+//! Those called *fitted* were fitted to timed runs on two cores of an AMD EPYC (Zen). The scenes of the first
+//! of these runs are not recorded, and no script makes the fit again. What apertures, textures, contacts and
+//! nooks take was fitted later to CPU time by stage of three meshes of rooms of 300 to 21 000 faces, on a busy
+//! machine: to a third or so. `tests/behaviour/plan.rs` holds numbers of patches, rays and bytes against runs,
+//! but not seconds.
 
 /// Time of one thread for a ray through a scene of n faces, a + b log₂ n: [a, b], ns. Fitted.
 pub(super) const RAY: [f64; 2] = [30.0, 47.0];
@@ -28,6 +30,15 @@ pub(super) const MEMORY_THREADS: usize = 2;
 /// Products that balancing takes, of a traced matrix and of exact form factors; a number. Fitted.
 pub(super) const BALANCING: f64 = 45.0;
 pub(super) const BALANCING_EXACT: f64 = 6.0;
+
+/// How many more it takes where every patch is a whole face, as in meshes of many nooks; a number. Fitted to
+/// meshes of 300 to 21 000 faces, which took 80 to 210 in all.
+pub(super) const BALANCING_NOOKS: f64 = 150.0;
+
+/// Time beside a product for each value of its vectors, on one thread: in balancing, and in conjugate
+/// gradients and the series, ns. Fitted to the same two.
+pub(super) const BALANCING_VALUE: f64 = 180.0;
+pub(super) const VALUE: f64 = 40.0;
 
 /// Time of one thread for the exact exchange area of two patches, ns. Fitted.
 pub(super) const PAIR: f64 = 80.0;
@@ -67,6 +78,9 @@ pub(super) const FACE_READ: f64 = 1100.0;
 pub(super) const FACE_BUILT: f64 = 430.0;
 pub(super) const PATCH_WRITTEN: f64 = 5000.0;
 
+/// Time to look for apertures, where there are sky or suns, for each face, ns. Fitted.
+pub(super) const FACE_SEARCHED: f64 = 20_000.0;
+
 /// Time of one thread for a pixel beside its rays, ns. Fitted.
 pub(super) const PIXEL: f64 = 400.0;
 
@@ -77,9 +91,57 @@ pub(super) const PIXEL_RAYS: f64 = 2.5;
 /// Chosen, not fitted, as far as the history tells.
 pub(super) const PIXEL_CARRIED: f64 = 20.0;
 
-/// Rays by which a slot looks for light around it, on average; a number. Chosen, not fitted, as far as the
-/// history tells.
-pub(super) const LOOKS: f64 = 20.0;
+/// Rays by which a slot looks for light around it, in the coarse cut that comes first and in the one after
+/// it; numbers. Counted in the code.
+pub(super) const LOOKS: [f64; 2] = [4.0, 16.0];
+
+/// Patches of the coarse cut where faces are fewer; a number. Counted in the code.
+pub(super) const COARSE: f64 = 1000.0;
+
+/// Looks of a slot at lamps, at lights without area and at the sky, at most; a number. Counted in the code.
+pub(super) const SLOT_LOOKS: u32 = 32;
+
+/// Rays that are shot in through each triangle of an aperture, and on all of the scene, from each sun and
+/// from the sky, and rays from each light that has a place, for one cut; numbers. Counted in the code.
+pub(super) const SHOT_THROUGH: f64 = 1024.0;
+pub(super) const SHOT_ON_ALL: f64 = 65536.0;
+pub(super) const SHOT_FROM_PLACE: f64 = 4096.0;
+
+/// Rays by which a place is found to lie open to the sky, and the part of them that must pass; a number and
+/// a pure number. Counted in the code.
+pub(super) const GLANCES: u32 = 8;
+pub(super) const OPEN: f64 = 0.25;
+
+/// How many times as many points of a patch look at a light through apertures or in a narrow cone, and the
+/// part of them that is drawn without regard to apertures, so that they cost a ray; pure numbers. Counted in
+/// the code.
+pub(super) const MORE_POINTS: f64 = 32.0;
+pub(super) const POINTS_WITHOUT_APERTURES: f64 = 0.25;
+
+/// Random patches, and slots, by which is told how sky and lights are looked for; numbers. Chosen: the part
+/// of patches that takes eight times the rays is seldom large.
+pub(super) const EXPOSED: u32 = 1024;
+pub(super) const SLOTS_EXPOSED: u32 = 512;
+
+/// Time of one thread for a point that looks at a light and costs no ray, ns. Fitted.
+pub(super) const POINT: f64 = 60.0;
+
+/// Time of one thread that a ray into the sky takes more where apertures are weighed: for itself, and for each
+/// of the [`MOST_WEIGHED`] triangles of apertures that are weighed at most, ns. Fitted.
+pub(super) const AIMED: [f64; 2] = [300.0, 60.0];
+pub(super) const MOST_WEIGHED: f64 = 16.0;
+
+/// Time of one thread to find out which apertures a slot sees, for each triangle of them, ns. Fitted.
+pub(super) const APERTURE_SEEN: f64 = 30.0;
+
+/// Time of one thread to find what touches a face, and to part it, for all sizes that are tried, ns. Fitted.
+pub(super) const FACE_PARTED: f64 = 65_000.0;
+
+/// Texels beyond which a patch is averaged on a coarser picture; a number. Counted in the code.
+pub(super) const MOST_TEXELS: f64 = 16384.0;
+
+/// Time of one thread for a texel that a patch covers in part, and for one that it covers wholly, ns. Fitted.
+pub(super) const TEXEL: [f64; 2] = [450.0, 10.0];
 
 /// Time that all channels beside the first add, as a part of that of solving; a pure number. Chosen, not
 /// fitted, as far as the history tells.

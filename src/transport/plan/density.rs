@@ -1,4 +1,4 @@
-//! Density: how full the exchange matrix will be, told from the shape alone before a ray is traced.
+//! Density: how full the exchange matrix will be, told from the shape alone, without a ray.
 //!
 //! Between patches i and j some N (F_ij + F_ji) rays go, so that an entry is there with probability 1 −
 //! exp(−N (F_ij + F_ji)). F is taken from pairs of random points as cos θ cos θ′ A_j / (π r² + A_j). What
@@ -113,9 +113,11 @@ impl Density {
         }
         let mean = |sum: f64| sum / f64::from(DENSITY_ROWS);
         let Self { found, entries, pair_bytes, landing, carried, reflected } = sums;
+        // Every ray makes two entries at most.
+        let most = 2.0 * (f64::from(count.rays) * mean(landing) + f64::from(count.lamp_rays));
         Self {
             found: mean(found),
-            entries: mean(entries),
+            entries: mean(entries).min(most),
             pair_bytes: mean(pair_bytes),
             landing: mean(landing),
             carried: mean(carried),
@@ -162,7 +164,7 @@ fn form_factor(from: &Place, to: &Place) -> f64 {
 }
 
 /// All stretches of sides that have patches, to draw places from.
-struct Places<'a, 's> {
+pub(super) struct Places<'a, 's> {
     tracer: &'a Tracer<'s>,
     is_lamp: Vec<bool>,
     sides: Vec<(Stretch, Side)>,
@@ -172,7 +174,7 @@ struct Places<'a, 's> {
 
 impl<'a, 's> Places<'a, 's> {
     /// Those of `stretches` that have patches by `counts`, per face and side.
-    fn new(
+    pub fn new(
         tracer: &'a Tracer<'s>,
         counts: &[[f64; 2]],
         lamps: &Lamps,
@@ -188,6 +190,19 @@ impl<'a, 's> Places<'a, 's> {
         let by_count = Discrete::new(sides.iter().map(|(stretch, _)| stretch.cells));
         let by_area = Discrete::new(sides.iter().map(|(stretch, _)| triangle::area(&stretch.corners)));
         Self { tracer, is_lamp, sides, by: [by_count, by_area] }
+    }
+
+    pub fn tracer(&self) -> &'a Tracer<'s> {
+        self.tracer
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.sides.is_empty()
+    }
+
+    /// The stretch of a side that a random number draws, each by its number of patches.
+    pub fn by_number(&self, random: f64) -> (Stretch, Side) {
+        self.sides[self.by[0].draw(random).0]
     }
 
     /// Draws places, these parts of them by number of patches and by area.

@@ -1,23 +1,27 @@
-//! Forecast: what a run will cost in rays, seconds and bytes, told before a ray is traced.
+//! Forecast: what a run will cost in rays, seconds and bytes, told before it.
 //!
-//! Numbers of patches and rays follow from the options, how full the matrix will be from [`Density`]. Seconds
-//! are rays × (a + b log₂ faces), and for everything that goes through memory, bytes × passes; the
+//! Numbers of patches and rays follow from the options, how full the matrix will be from [`Density`], and how
+//! the sky and lights are looked for from [`Exposure`], which traces a few rays. Seconds are rays × (a + b log₂ faces), and for everything that goes through memory, bytes × passes; the
 //! [constants](super::constants) were fitted on one machine and are divided by the number of threads where
 //! work is shared. On another machine they are off by a factor that is about the same for all stages.
 
 use serde::Serialize;
 
 use super::constants::{
-    BALANCING, BALANCING_EXACT, BYTE, CARRIERS_MET, CG_BOUND, CG_PER_ORDER, CG_VECTORS, ERRORS, FACE_BUILT,
-    FACE_READ, FACTORED_PRODUCTS, FACTORING, FULL_ENTRY_BYTES, LANDING, LANDING_BYTES, LANDING_BYTES_LINEAR,
-    LEAST_TOLERANCE, LOOKS, MEMORY_THREADS, NUMBER_BYTES, OTHER_CHANNELS, PAIR, PAIRED_PATCH_BYTES,
-    PASSED_ON, PATCH_WRITTEN, PIXEL, PIXEL_BYTES, PIXEL_CARRIED, PIXEL_RAYS, QUICK, RAY, SERIES_VECTORS,
-    SHADOW_RAY, SPARSE_ENTRY_BYTES, SPARSE_FOUND_BYTES,
+    AIMED, APERTURE_SEEN, BALANCING, BALANCING_EXACT, BALANCING_NOOKS, BALANCING_VALUE, BYTE, CARRIERS_MET,
+    CG_BOUND, CG_PER_ORDER, CG_VECTORS, COARSE, ERRORS, FACE_BUILT, FACE_PARTED, FACE_READ, FACE_SEARCHED,
+    FACTORED_PRODUCTS, FACTORING, FULL_ENTRY_BYTES, GLANCES, LANDING, LANDING_BYTES, LANDING_BYTES_LINEAR,
+    LEAST_TOLERANCE, LOOKS, MEMORY_THREADS, MOST_WEIGHED, NUMBER_BYTES, OTHER_CHANNELS, PAIR,
+    PAIRED_PATCH_BYTES, PASSED_ON, PATCH_WRITTEN, PIXEL, PIXEL_BYTES, PIXEL_CARRIED, PIXEL_RAYS, POINT,
+    QUICK, RAY, SERIES_VECTORS, SHADOW_RAY, SHOT_FROM_PLACE, SHOT_ON_ALL, SHOT_THROUGH, SLOT_LOOKS,
+    SPARSE_ENTRY_BYTES, SPARSE_FOUND_BYTES, TEXEL, VALUE,
 };
 use super::density::Density;
+use super::exposure::Exposure;
+use super::texels::Texels;
 use crate::parallel;
-use crate::patches::{BYTES_PER_SLOT, Basis, Outlook, PatchError, Tessellation};
-use crate::scene::{Material, Scene, Side, triangle};
+use crate::patches::{BYTES_PER_SLOT, Basis, Outlook, PatchError, PatchSize, Reach, Tessellation};
+use crate::scene::{Light, Material, Scene, Side, triangle};
 use crate::trace::{Lamps, Tracer};
 use crate::transport::exchange::{MANY, StorageKind};
 use crate::transport::form_factors::TraceOptions;
@@ -122,7 +126,7 @@ pub(crate) fn is_quickly_factored(n: usize, factors: usize, memory: u64) -> bool
 }
 
 impl Forecast {
-    /// Foretells what `work` costs in a scene: cuts by arithmetic, traces nothing.
+    /// Foretells what `work` costs in a scene: cuts by arithmetic, and traces no more than a few rays.
     ///
     /// # Errors
     /// `TooManyOverlaps`.
@@ -137,7 +141,7 @@ impl Forecast {
         let [traced, _] = job.lamp_columns(&rays);
         let all = [
             ("load", cost(0.0, 1e-9 * job.faces * FACE_READ, 0.0)),
-            ("build", cost(0.0, 1e-9 * job.faces * FACE_BUILT, 0.0)),
+            ("build", cost(0.0, 1e-9 * job.faces * (FACE_BUILT + job.searched()), 0.0)),
             ("patch", job.cutting()),
             ("trace", sum(&[rays.rows, rays.carriers, rays.coats, traced, rays.lamp_shots])),
             ("balance", matrix.balance),
@@ -212,7 +216,10 @@ struct Job<'a> {
     work: &'a Work<'a>,
     outlook: Outlook,
     density: Density,
-    /// Number of patches, and the same rounded.
+    exposure: Exposure,
+    /// Triangles of apertures.
+    apertures: f64,
+    /// Number of patches, twice.
     patches: f64,
     number: usize,
     faces: f64,
@@ -248,6 +255,8 @@ struct RayCosts {
 struct MatrixCosts {
     /// Seconds of one product with it.
     pass: f64,
+    /// Seconds until it closes.
+    closing: f64,
     balance: Cost,
 }
 
@@ -269,8 +278,8 @@ impl<'a> Job<'a> {
     fn new(tracer: &'a Tracer, work: &'a Work) -> Result<Self, PatchError> {
         let scene = tracer.scene();
         let outlook = Outlook::new(tracer, work.tessellation.size)?;
-        let patches = outlook.patches();
-        let number = patches.round() as usize;
+        let patches = outlook.patches().round();
+        let number = patches as usize;
         let per_patch = work.trace.rays.unwrap_or(TraceOptions::usual_rays(number)).next_multiple_of(BATCHES);
         let interreflects = scene.has_exchange();
         let without_rays = work.trace.without_rays(tracer, number);
@@ -279,6 +288,7 @@ impl<'a> Job<'a> {
         let lamp_rays = if lamps.is_empty() || is_exact { 0 } else { work.trace.lamp_rays_for(per_patch) };
         let count = RayCount { rays: per_patch, lamp_rays };
         let density = Density::new(tracer, &outlook, &lamps, count, MANY);
+        let exposure = Exposure::new(tracer, &outlook, &lamps);
         let faces = scene.faces().len();
         let through = |[a, b]: [f64; 2]| a + b * (faces.max(2) as f64).log2();
         let channels = scene.channels();
@@ -287,6 +297,8 @@ impl<'a> Job<'a> {
             work,
             outlook,
             density,
+            exposure,
+            apertures: tracer.apertures().len() as f64,
             patches,
             number,
             faces: faces as f64,
@@ -309,10 +321,76 @@ impl<'a> Job<'a> {
         1e-9 * nanoseconds / self.threads as f64
     }
 
-    /// Finding the sides that light reaches.
+    /// Nanoseconds for each face in which apertures are looked for.
+    fn searched(&self) -> f64 {
+        let has_sun = self.tracer.scene().lights().any(|light| matches!(light, Light::Sun { .. }));
+        if has_sun || self.tracer.scene().sky().is_some() { FACE_SEARCHED } else { 0.0 }
+    }
+
+    /// Slots of the coarse cut that comes before one into a number of patches.
+    fn coarse_slots(&self) -> f64 {
+        match self.work.tessellation.size {
+            PatchSize::Count(count) => {
+                self.outlook.slots.min((2.0 * self.faces).max(COARSE.min(count as f64)))
+            }
+            PatchSize::Edge(_) => 0.0,
+        }
+    }
+
+    /// Parting faces, and finding the sides that light reaches.
     fn cutting(&self) -> Cost {
-        let around = self.outlook.slots * LOOKS;
-        cost(around, self.shared(around * self.ray), self.outlook.slots * BYTES_PER_SLOT as f64)
+        let (slots, coarse) = (self.outlook.slots, self.coarse_slots());
+        let around = coarse * LOOKS[0] + slots * LOOKS[1];
+        let dark = if self.has_lamps { (slots - self.patches).max(0.0) } else { 0.0 };
+        let at_lamps = dark * f64::from(SLOT_LOOKS);
+        let by_looks = around * self.ray + at_lamps * self.shadow_ray + self.faces * FACE_PARTED;
+        let all = sum(&[
+            cost(around + at_lamps, self.shared(by_looks), slots * BYTES_PER_SLOT as f64),
+            self.looking_for_light(slots + coarse),
+            self.shooting_in(),
+        ]);
+        match self.work.tessellation.reach {
+            Reach::Light => all,
+            Reach::Everything | Reach::OneSide(_) => {
+                cost(0.0, self.shared(self.faces * FACE_PARTED), all.bytes as f64)
+            }
+        }
+    }
+
+    /// Slots that look for the sky and for lights without area.
+    fn looking_for_light(&self, slots: f64) -> Cost {
+        let (scene, exposure) = (self.tracer.scene(), &self.exposure);
+        let looks = slots * exposure.until_lit;
+        let to_lights = looks * scene.lights().count() as f64;
+        let (to_sky, judged) = match scene.sky() {
+            Some(_) if self.apertures > 0.0 => (looks, slots),
+            Some(_) => (looks, 0.0),
+            None => (0.0, 0.0),
+        };
+        let [plain, aimed] = exposure.slots.sky;
+        let weighed = if plain + aimed > 0.0 { aimed / (plain + aimed) } else { 0.0 };
+        let glances = judged * f64::from(GLANCES);
+        let rays = to_lights + to_sky + glances;
+        let nanoseconds = rays * self.shadow_ray
+            + to_sky * weighed * self.aiming()
+            + judged * self.apertures * APERTURE_SEEN;
+        cost(rays, self.shared(nanoseconds), 0.0)
+    }
+
+    /// Rays of lights and of the sky that are shot into the scene to find what they reach.
+    fn shooting_in(&self) -> Cost {
+        let scene = self.tracer.scene();
+        let cuts = if self.coarse_slots() > 0.0 { 2.0 } else { 1.0 };
+        let placed = scene.lights().filter(|light| light.position().is_some()).count();
+        let far = scene.lights().count() - placed + usize::from(scene.sky().is_some());
+        let rays =
+            far as f64 * (self.apertures * SHOT_THROUGH + SHOT_ON_ALL) + placed as f64 * SHOT_FROM_PLACE;
+        cost(cuts * rays, self.shared(cuts * rays * self.ray), 0.0)
+    }
+
+    /// Nanoseconds of one thread that a ray into the sky takes more where apertures are weighed.
+    fn aiming(&self) -> f64 {
+        AIMED[0] + AIMED[1] * self.apertures.min(MOST_WEIGHED)
     }
 
     /// Rows of rays, and what lies on their way.
@@ -358,9 +436,16 @@ impl<'a> Job<'a> {
         let byte = BYTE[usize::from(self.channels > 1)];
         let threads = self.threads.clamp(1, MEMORY_THREADS) as f64;
         let pass = 1e-9 * byte * bytes * MEMORY_THREADS as f64 / threads;
-        let balancing = if self.is_exact { BALANCING_EXACT } else { BALANCING };
+        let whole = self.outlook.stretches.iter().filter(|stretch| stretch.cells <= 1.0).count() as f64;
+        let nooks = (2.0 * whole / self.outlook.slots.max(1.0)).min(1.0);
+        let balancing = if self.is_exact { BALANCING_EXACT } else { BALANCING + BALANCING_NOOKS * nooks };
         let landing = rays.traced * self.density.landing * LANDING;
-        MatrixCosts { pass, balance: cost(0.0, self.shared(landing) + balancing * pass, bytes) }
+        let values = 1e-9 * self.patches * self.work.trace.basis.coefficients() as f64;
+        let Texels { partly, wholly } = Texels::new(self.tracer, &self.outlook);
+        let averaging = partly * TEXEL[0] + wholly * TEXEL[1];
+        let closing = balancing * (pass + BALANCING_VALUE * values);
+        let pass = pass + VALUE * values * self.channels as f64;
+        MatrixCosts { pass, closing, balance: cost(0.0, self.shared(landing + averaging) + closing, bytes) }
     }
 
     /// Factors or iterations, the series, and error bars, which count with solving.
@@ -387,7 +472,7 @@ impl<'a> Job<'a> {
         };
         SolvingCosts {
             factor,
-            solve: sum(&[solve, cost(0.0, ERRORS * matrix.balance.seconds, 0.0)]),
+            solve: sum(&[solve, cost(0.0, ERRORS * matrix.closing, 0.0)]),
             series: cost(0.0, orders * pass, SERIES_VECTORS * self.vector),
         }
     }
@@ -397,9 +482,11 @@ impl<'a> Job<'a> {
         let &Self { patches, ray, shadow_ray, .. } = self;
         let (scene, light) = (self.tracer.scene(), self.work.light);
         let look = f64::from(light.rays);
-        let to_lights =
-            patches * scene.lights().count() as f64 * (look / f64::from(RAYS_PER_LIGHT_RAY)).ceil();
-        let to_sky = if scene.sky().is_some() { patches * look } else { 0.0 };
+        let looks = self.exposure.patches;
+        let to_each = patches * (look / f64::from(RAYS_PER_LIGHT_RAY)).ceil();
+        let (to_lights, points) = (to_each * looks.lights, to_each * looks.points);
+        let [plain, aimed] = looks.sky.map(|rays| patches * look * rays);
+        let to_sky = plain + aimed;
         // By way of carriers: shots for all patches, and as many rays of theirs into a sky.
         let throws = self.tracer.has_carriers() && to_lights + to_sky > 0.0;
         let thrown = |kind: bool| {
@@ -408,8 +495,8 @@ impl<'a> Job<'a> {
         let (shots, looks) = (thrown(light.caustics == Shots::Shot), thrown(scene.sky().is_some()));
         let on_the_way = looks * (1.0 + self.density.carried * CARRIERS_MET);
         LightCosts {
-            lights: cost(to_lights, self.shared(to_lights * shadow_ray), 0.0),
-            sky: cost(to_sky, self.shared(to_sky * shadow_ray), 0.0),
+            lights: cost(to_lights, self.shared(to_lights * shadow_ray + points * POINT), 0.0),
+            sky: cost(to_sky, self.shared(to_sky * shadow_ray + aimed * self.aiming()), 0.0),
             carried: cost(
                 shots + looks,
                 self.shared(ray * (shots * (1.0 + CARRIERS_MET) + on_the_way)),

@@ -2,8 +2,10 @@
 
 mod constants;
 mod density;
+mod exposure;
 mod forecast;
 mod switches;
+mod texels;
 
 use serde::Serialize;
 
