@@ -51,9 +51,8 @@ pub(super) fn lit_share(tracer: &Tracer, sides: &[(usize, Side)]) -> [f64; 2] {
         .collect();
     Side::BOTH.map(|side| {
         let of_side = found.iter().filter(|found| found.0 == side);
-        let (all, lit) = of_side.fold((0.0, 0.0), |(all, lit), found| {
-            (all + 1.0, lit + f64::from(u8::from(found.1)))
-        });
+        let (all, lit) =
+            of_side.fold((0.0, 0.0), |(all, lit), found| (all + 1.0, lit + f64::from(u8::from(found.1))));
         if all > 0.0 { lit / all } else { 1.0 }
     })
 }
@@ -90,7 +89,9 @@ impl Light<'_> {
             match self.tracer.destination(&ray, of_carriers, passes) {
                 Destination::Away(_) => return self.has_sky,
                 Destination::Diffuse { hit, .. } if self.emits(&hit) => return true,
-                Destination::Diffuse { hit, .. } if self.sends_on(&hit) => here = Interaction::of(self.tracer, &hit),
+                Destination::Diffuse { hit, .. } if self.sends_on(&hit) => {
+                    here = Interaction::of(self.tracer, &hit)
+                }
                 _ => return false,
             }
         }
