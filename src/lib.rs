@@ -95,7 +95,7 @@
 //! [`ReceiverRows`](transport::ReceiverRows) give the irradiance at points that are no patches.
 //!
 //! [`Plan`](transport::Plan) tells which effects a scene calls for; with a [`Forecast`](transport::Forecast)
-//! also what each will cost before a ray is traced. [`Switches`](transport::Switches) leave effects out. A
+//! also what each will cost before it is solved. [`Switches`](transport::Switches) leave effects out. A
 //! scene that is empty and convex seen from inside ([`Tracer::enclosure`](trace::Tracer::enclosure)) takes no
 //! rays: its form factors are exact.
 //!

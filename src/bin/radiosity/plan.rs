@@ -9,12 +9,12 @@ use crate::factors::{Asked, FactorsArgs};
 use crate::picture::PictureArgs;
 use crate::terminal::{Failure, Terminal};
 
-/// Tell what solve would simulate and what that would cost, without tracing a ray
+/// Tell what solve would simulate and what that would cost, without solving
 ///
 /// Takes the options of solve. For every effect: whether the scene calls for it, why, and what it is
 /// predicted to cost; that is what would be saved without it. A scene may be without light. Seconds are for a
 /// machine like the one they were fitted on, two cores of an AMD EPYC. Patches where light reaches are told
-/// from the shape of surfaces.
+/// from the shape of surfaces, and by a few rays how the sky and lights are looked for.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -91,7 +91,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     }
     terminal.say(format_args!("  {:<20} {}", "all, held at once", cost(total)))?;
     terminal.say(format_args!(
-        "\nPredicted for {} threads of a machine like the one this was fitted on (AMD EPYC); nothing was traced.",
+        "\nPredicted for {} threads of a machine like the one this was fitted on (AMD EPYC), by a few rays.",
         forecast.threads
     ))
 }
