@@ -103,8 +103,7 @@ fn what_is_not_called_for_costs_nothing() {
     assert!(sun.cost.rays > 0 && stage(&foretold, "light").rays == sky.cost.rays + sun.cost.rays);
 }
 
-/// A box of four by four by four from inside, open at the top but for what a lid leaves of it: a square of this
-/// half-width.
+/// A box of four by four by four from inside, with a hole in its top: a square of this half-width.
 fn room_under_a_hole(half: f64) -> Scene {
     let mut all: Vec<(Quad, u32)> = room([-2.0; 3], [2.0; 3]).map(|quad| (quad, 0)).into();
     all.remove(4);

@@ -1,5 +1,5 @@
-//! Lit share: which part of the sides that light may reach it does reach, told by light paths backwards from a
-//! few of them.
+//! Lit share: which part of the sides that light may reach it does reach, told by light paths backwards from
+//! a few of them.
 //!
 //! Shape tells which side of a closed surface is lit. Of surfaces with a rim, such as furniture in a mesh of
 //! loose parts, both sides may be, and some are not: the insides of closed cupboards, or what is sealed in
@@ -28,8 +28,8 @@ struct Light<'t> {
     has_sky: bool,
 }
 
-/// The part of these sides that light reaches: of fronts, and of backs; 1 where there are none. Sides count by
-/// about as many patches as they would have.
+/// The part of these sides that light reaches: of fronts, and of backs; 1 where there are none. Sides count
+/// by about as many patches as they would have.
 pub(super) fn lit_share(tracer: &Tracer, sides: &[(usize, Side)]) -> [f64; 2] {
     let light = Light {
         tracer,
@@ -58,7 +58,8 @@ pub(super) fn lit_share(tracer: &Tracer, sides: &[(usize, Side)]) -> [f64; 2] {
 }
 
 impl Light<'_> {
-    /// Whether any path backwards from a side leads to light; `k` is the number of the side among those drawn.
+    /// Whether any path backwards from a side leads to light; `k` is the number of the side among those
+    /// drawn.
     fn reaches(&self, k: u32, face: usize, side: Side) -> bool {
         let face_number = face as u32;
         let facet = Facet {

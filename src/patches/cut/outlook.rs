@@ -83,8 +83,8 @@ impl Outlook {
     }
 }
 
-/// Which sides of faces light probably reaches, from 0 to 1, front first; all of a scene's where that would be
-/// none. And the faces of which it reaches one side through the other.
+/// Which sides of faces light probably reaches, from 0 to 1, front first; all of a scene's where that would
+/// be none. And the faces of which it reaches one side through the other.
 fn likely_sides(tracer: &Tracer) -> (Vec<[f64; 2]>, Vec<usize>) {
     let scene = tracer.scene();
     let from_outside = scene.sky().is_some() || scene.lights().next().is_some();

@@ -2,9 +2,9 @@
 //!
 //! Those called *fitted* were fitted to timed runs on two cores of an AMD EPYC (Zen). The scenes of the first
 //! of these runs are not recorded, and no script makes the fit again. What apertures, textures, contacts and
-//! nooks take was fitted later to CPU time by stage of three meshes of rooms of 300 to 21 000 faces, on a busy
-//! machine: to a third or so. `tests/behaviour/plan.rs` holds numbers of patches, rays and bytes against runs,
-//! but not seconds.
+//! nooks take was fitted later, to the CPU time of the stages of three meshes of rooms of 300 to 21 000 faces
+//! on a busy machine: it is known to a third or so. `tests/behaviour/plan.rs` holds numbers of patches, rays
+//! and bytes against runs, but not seconds.
 
 /// Time of one thread for a ray through a scene of n faces, a + b log₂ n: [a, b], ns. Fitted.
 pub(super) const RAY: [f64; 2] = [30.0, 47.0];
@@ -118,16 +118,16 @@ pub(super) const OPEN: f64 = 0.25;
 pub(super) const MORE_POINTS: f64 = 32.0;
 pub(super) const POINTS_WITHOUT_APERTURES: f64 = 0.25;
 
-/// Random patches, and slots, by which is told how sky and lights are looked for; numbers. Chosen: the part
-/// of patches that takes eight times the rays is seldom large.
+/// Random patches, and slots, by which is told how sky and lights are looked for; numbers. Chosen: enough to
+/// know the few patches that take eight times the rays to a third, and still quick.
 pub(super) const EXPOSED: u32 = 1024;
 pub(super) const SLOTS_EXPOSED: u32 = 512;
 
-/// Time of one thread for a point that looks at a light and costs no ray, ns. Fitted.
+/// Time of one thread for a point that looks at a light and costs no ray, ns. Estimated, not fitted.
 pub(super) const POINT: f64 = 60.0;
 
-/// Time of one thread that a ray into the sky takes more where apertures are weighed: for itself, and for each
-/// of the [`MOST_WEIGHED`] triangles of apertures that are weighed at most, ns. Fitted.
+/// Time of one thread that a ray into the sky takes more where apertures are weighed: for itself, and for
+/// each of the [`MOST_WEIGHED`] triangles of apertures that are weighed at most, ns. Fitted.
 pub(super) const AIMED: [f64; 2] = [300.0, 60.0];
 pub(super) const MOST_WEIGHED: f64 = 16.0;
 

@@ -29,8 +29,8 @@ pub struct Exposure {
 /// The same of the mean patch or slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Looks {
-    /// Rays into the sky for each usual one: those that are drawn by the sky alone, and those that are weighed
-    /// by apertures too.
+    /// Rays into the sky for each usual one: those that are drawn by the sky alone, and those that are
+    /// weighed by apertures too.
     pub sky: [f64; 2],
     /// Rays towards lights without area for each usual one towards one light, all lights together.
     pub lights: f64,

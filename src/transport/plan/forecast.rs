@@ -1,7 +1,8 @@
 //! Forecast: what a run will cost in rays, seconds and bytes, told before it.
 //!
 //! Numbers of patches and rays follow from the options, how full the matrix will be from [`Density`], and how
-//! the sky and lights are looked for from [`Exposure`], which traces a few rays. Seconds are rays × (a + b log₂ faces), and for everything that goes through memory, bytes × passes; the
+//! the sky and lights are looked for from [`Exposure`], which traces a few rays. Seconds are rays × (a + b
+//! log₂ faces), and for everything that goes through memory, bytes × passes; the
 //! [constants](super::constants) were fitted on one machine and are divided by the number of threads where
 //! work is shared. On another machine they are off by a factor that is about the same for all stages.
 
@@ -219,7 +220,7 @@ struct Job<'a> {
     exposure: Exposure,
     /// Triangles of apertures.
     apertures: f64,
-    /// Number of patches, twice.
+    /// Number of patches, and the same as an integer.
     patches: f64,
     number: usize,
     faces: f64,
