@@ -17,6 +17,10 @@ use crate::patches::{PatchError, PatchSize};
 use crate::scene::{Feature, Side};
 use crate::trace::Tracer;
 
+/// Where less than this part of sides is lit, cuts find more of it as they get finer; a pure number. Chosen,
+/// not fitted.
+const PARTLY: f64 = 0.95;
+
 /// How a scene will probably be cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outlook {
@@ -31,6 +35,9 @@ pub struct Outlook {
     pub through_sheets: f64,
     /// Cells of all faces, both sides counted: where light is looked for.
     pub slots: f64,
+    /// How many times slots of that size look for light: finer ones find more of it where it reaches but a
+    /// part of them, and then a cut for a number of patches is made once more.
+    pub cuts: f64,
 }
 
 /// A part of a face that is cut into patches of one size.
@@ -67,6 +74,8 @@ impl Outlook {
         let mut cells = vec![0.0; sides.len()];
         stretches.iter().for_each(|stretch| cells[stretch.face] += stretch.cells);
         let patches_of = sides.iter().zip(&cells).map(|(sides, cells)| sides.map(|side| side * cells));
+        let is_partly_lit = sides.iter().flatten().any(|&lit| lit > 0.0 && lit < PARTLY);
+        let cuts = if is_partly_lit && matches!(size, PatchSize::Count(_)) { 2.0 } else { 1.0 };
         let carriers = (0..sides.len()).map(|face| [f64::from(u8::from(tracer.is_carrier(face as u32))); 2]);
         Ok(Self {
             patches_of: patches_of.collect(),
@@ -74,6 +83,7 @@ impl Outlook {
             carriers: carriers.collect(),
             through_sheets: through.into_iter().map(|face| cells[face]).sum(),
             slots: 2.0 * cells.iter().sum::<f64>(),
+            cuts,
         })
     }
 

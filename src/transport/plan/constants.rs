@@ -135,7 +135,7 @@ pub(super) const MOST_WEIGHED: f64 = 16.0;
 pub(super) const APERTURE_SEEN: f64 = 30.0;
 
 /// Time of one thread to find what touches a face, and to part it, for all sizes that are tried, ns. Fitted.
-pub(super) const FACE_PARTED: f64 = 65_000.0;
+pub(super) const FACE_PARTED: f64 = 50_000.0;
 
 /// Texels beyond which a patch is averaged on a coarser picture; a number. Counted in the code.
 pub(super) const MOST_TEXELS: f64 = 16384.0;

@@ -341,13 +341,14 @@ impl<'a> Job<'a> {
     /// Parting faces, and finding the sides that light reaches.
     fn cutting(&self) -> Cost {
         let (slots, coarse) = (self.outlook.slots, self.coarse_slots());
-        let around = coarse * LOOKS[0] + slots * LOOKS[1];
+        let cuts = self.outlook.cuts;
+        let around = coarse * LOOKS[0] + cuts * slots * LOOKS[1];
         let dark = if self.has_lamps { (slots - self.patches).max(0.0) } else { 0.0 };
-        let at_lamps = dark * f64::from(SLOT_LOOKS);
+        let at_lamps = cuts * dark * f64::from(SLOT_LOOKS);
         let by_looks = around * self.ray + at_lamps * self.shadow_ray + self.faces * FACE_PARTED;
         let all = sum(&[
             cost(around + at_lamps, self.shared(by_looks), slots * BYTES_PER_SLOT as f64),
-            self.looking_for_light(slots + coarse),
+            self.looking_for_light(cuts * slots + coarse),
             self.shooting_in(),
         ]);
         match self.work.tessellation.reach {
@@ -381,7 +382,7 @@ impl<'a> Job<'a> {
     /// Rays of lights and of the sky that are shot into the scene to find what they reach.
     fn shooting_in(&self) -> Cost {
         let scene = self.tracer.scene();
-        let cuts = if self.coarse_slots() > 0.0 { 2.0 } else { 1.0 };
+        let cuts = self.outlook.cuts + f64::from(u8::from(self.coarse_slots() > 0.0));
         let placed = scene.lights().filter(|light| light.position().is_some()).count();
         let far = scene.lights().count() - placed + usize::from(scene.sky().is_some());
         let rays =
