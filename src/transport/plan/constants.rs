@@ -107,11 +107,6 @@ pub(super) const SHOT_THROUGH: f64 = 1024.0;
 pub(super) const SHOT_ON_ALL: f64 = 65536.0;
 pub(super) const SHOT_FROM_PLACE: f64 = 4096.0;
 
-/// Rays by which a place is found to lie open to the sky, and the part of them that must pass; a number and
-/// a pure number. Counted in the code.
-pub(super) const GLANCES: u32 = 8;
-pub(super) const OPEN: f64 = 0.25;
-
 /// How many times as many points of a patch look at a light through apertures or in a narrow cone, and the
 /// part of them that is drawn without regard to apertures, so that they cost a ray; pure numbers. Counted in
 /// the code.

@@ -1,19 +1,17 @@
 //! Exposure: what it takes to look for the sky and for lights without area from the patches of a scene, told
 //! by a few rays from places drawn at random.
 //!
-//! A place that lies open to the sky takes plain rays. One behind windows draws its rays towards apertures,
-//! and each ray costs more, since it is weighed by the density of all ways of drawing it. One that a small
+//! A place with no aperture above its horizon takes plain rays. One behind windows draws its rays towards
+//! apertures, and each ray costs more, since it is weighed by the density of all ways of drawing it. One that a small
 //! aperture lights up in part takes more of them. And where no light is found, more looks are spent on
 //! finding that.
 
-use super::constants::{
-    EXPOSED, GLANCES, MORE_POINTS, OPEN, POINTS_WITHOUT_APERTURES, SLOT_LOOKS, SLOTS_EXPOSED,
-};
+use super::constants::{EXPOSED, MORE_POINTS, POINTS_WITHOUT_APERTURES, SLOT_LOOKS, SLOTS_EXPOSED};
 use super::density::Places;
 use crate::patches::{Facet, Outlook};
 use crate::scene::triangle;
 use crate::trace::sampling::{Sequence, Stream, uniform_triangle};
-use crate::trace::{Arrival, Lamps, Lights, Ray, Tracer};
+use crate::trace::{Arrival, Lamps, Lights, Tracer};
 
 /// What looks for the sky and for lights without area take.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,12 +61,10 @@ impl Exposure {
 impl Looks {
     /// Adds what a patch takes, as one of 1 / `share`.
     fn add(&mut self, tracer: &Tracer, lights: &Lights, facet: &Facet, share: f64) {
-        let &Facet { ref corners, normal, face, .. } = facet;
-        if let Some(view) = lights.sky_over(tracer, (corners, face), normal) {
+        let &Facet { ref corners, normal, .. } = facet;
+        if let Some(view) = lights.sky_over(tracer, corners, normal) {
             let apertures = tracer.apertures();
-            let is_aimed = !apertures.is_empty()
-                && !apertures.view(corners, normal).is_empty()
-                && !is_open(tracer, lights, facet);
+            let is_aimed = !apertures.is_empty() && !apertures.view(corners, normal).is_empty();
             self.sky[usize::from(is_aimed)] += share * f64::from(view.rays(1));
         }
         for light in 0..lights.len() {
@@ -89,21 +85,6 @@ impl Looks {
     }
 }
 
-/// Whether a good part of the sky is seen from a patch, so that its rays need no apertures.
-fn is_open(tracer: &Tracer, lights: &Lights, facet: &Facet) -> bool {
-    let Some(sky) = lights.sky() else { return false };
-    let sequence = Stream::OpenSky.sequence(0, 0, 0);
-    let mut left = vec![1.0; tracer.scene().channels()];
-    let passes = |&k: &u32| {
-        let [s, t, u, v] = sequence.point(k);
-        let beam = sky.sample(facet.normal, [u, v]);
-        left.fill(1.0);
-        let ray = Ray { origin: facet.point([s, t]), direction: beam.direction, from: facet.face };
-        beam.weight > 0.0 && tracer.passes(&ray, f64::INFINITY, &mut left)
-    };
-    (0..GLANCES).filter(passes).count() as f64 >= OPEN * f64::from(GLANCES)
-}
-
 /// How many looks from a slot it takes to find light, of as many as it has.
 fn looks_until_lit(
     tracer: &Tracer,
@@ -111,7 +92,7 @@ fn looks_until_lit(
     facet: &Facet,
     (sequence, place): (Sequence, u32),
 ) -> u32 {
-    let sky = lights.sky_over(tracer, (&facet.corners, facet.face), facet.normal);
+    let sky = lights.sky_over(tracer, &facet.corners, facet.normal);
     let [mut arrived, mut scratch] = [0, 1].map(|_| vec![0.0; tracer.scene().channels()]);
     let mut is_lit = |look: u32| {
         let [s, t, u, v] = sequence.dimensions(place, 1 + look);

@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::constants::{
     AIMED, APERTURE_SEEN, BALANCING, BALANCING_EXACT, BALANCING_NOOKS, BALANCING_VALUE, BYTE, CARRIERS_MET,
     CG_BOUND, CG_PER_ORDER, CG_VECTORS, COARSE, ERRORS, FACE_BUILT, FACE_PARTED, FACE_READ, FACE_SEARCHED,
-    FACTORED_PRODUCTS, FACTORING, FULL_ENTRY_BYTES, GLANCES, LANDING, LANDING_BYTES, LANDING_BYTES_LINEAR,
+    FACTORED_PRODUCTS, FACTORING, FULL_ENTRY_BYTES, LANDING, LANDING_BYTES, LANDING_BYTES_LINEAR,
     LEAST_TOLERANCE, LOOKS, MEMORY_THREADS, MOST_WEIGHED, NUMBER_BYTES, OTHER_CHANNELS, PAIR,
     PAIRED_PATCH_BYTES, PASSED_ON, PATCH_WRITTEN, PIXEL, PIXEL_BYTES, PIXEL_CARRIED, PIXEL_RAYS, POINT,
     QUICK, RAY, SERIES_VECTORS, SHADOW_RAY, SHOT_FROM_PLACE, SHOT_ON_ALL, SHOT_THROUGH, SLOT_LOOKS,
@@ -371,8 +371,7 @@ impl<'a> Job<'a> {
         };
         let [plain, aimed] = exposure.slots.sky;
         let weighed = if plain + aimed > 0.0 { aimed / (plain + aimed) } else { 0.0 };
-        let glances = judged * f64::from(GLANCES);
-        let rays = to_lights + to_sky + glances;
+        let rays = to_lights + to_sky;
         let nanoseconds = rays * self.shadow_ray
             + to_sky * weighed * self.aiming()
             + judged * self.apertures * APERTURE_SEEN;
@@ -487,8 +486,9 @@ impl<'a> Job<'a> {
         let looks = self.exposure.patches;
         let to_each = patches * (look / f64::from(RAYS_PER_LIGHT_RAY)).ceil();
         let (to_lights, points) = (to_each * looks.lights, to_each * looks.points);
+        // Rays are counted as they are asked for; their time by what patches make of them.
         let [plain, aimed] = looks.sky.map(|rays| patches * look * rays);
-        let to_sky = plain + aimed;
+        let to_sky = if scene.sky().is_some() { patches * look } else { 0.0 };
         // By way of carriers: shots for all patches, and as many rays of theirs into a sky.
         let throws = self.tracer.has_carriers() && to_lights + to_sky > 0.0;
         let thrown = |kind: bool| {
@@ -497,8 +497,12 @@ impl<'a> Job<'a> {
         let (shots, looks) = (thrown(light.caustics == Shots::Shot), thrown(scene.sky().is_some()));
         let on_the_way = looks * (1.0 + self.density.carried * CARRIERS_MET);
         LightCosts {
-            lights: cost(to_lights, self.shared(to_lights * shadow_ray + points * POINT), 0.0),
-            sky: cost(to_sky, self.shared(to_sky * shadow_ray + aimed * self.aiming()), 0.0),
+            lights: cost(
+                to_each * scene.lights().count() as f64,
+                self.shared(to_lights * shadow_ray + points * POINT),
+                0.0,
+            ),
+            sky: cost(to_sky, self.shared((plain + aimed) * shadow_ray + aimed * self.aiming()), 0.0),
             carried: cost(
                 shots + looks,
                 self.shared(ray * (shots * (1.0 + CARRIERS_MET) + on_the_way)),

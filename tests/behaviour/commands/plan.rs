@@ -36,7 +36,7 @@ fn plan_tells_of_every_effect_and_stage_and_writes_nothing() {
     assert!(plan["total"]["seconds"].as_f64().is_some_and(|s| s > 0.0));
 
     let output = radiosity(scratch.folder(), "plan --patches 3000");
-    for word in ["interreflection", "no mirror", "stage", "trace", "by a few rays", "threads"] {
+    for word in ["interreflection", "no mirror", "stage", "trace", "nothing was traced", "threads"] {
         assert!(text(&output.stdout).contains(word), "{word}: {}", text(&output.stdout));
     }
 }
