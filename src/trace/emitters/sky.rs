@@ -17,8 +17,9 @@ use crate::trace::solid_angle::target;
 const RINGS: usize = 64;
 const PARTS: usize = 64;
 
-/// A sky whose brightest cell is no more than so many times as bright as its mean, where it shines, is drawn by
-/// the cosine alone; a ratio. Chosen, not fitted: by brightness a wall would lose all that shines on its back.
+/// A sky whose brightest cell is no more than so many times as bright as its mean, where it shines, is drawn
+/// by the cosine alone; a ratio. Chosen, not fitted: by brightness a wall would lose all that shines on its
+/// back.
 const PEAKED: f64 = 3.0;
 
 /// Draws directions into a sky.

@@ -2,9 +2,9 @@
 //! by a few rays from places drawn at random.
 //!
 //! A place with no aperture above its horizon takes plain rays. One behind windows draws its rays towards
-//! apertures, and each ray costs more, since it is weighed by the density of all ways of drawing it. One that a small
-//! aperture lights up in part takes more of them. And where no light is found, more looks are spent on
-//! finding that.
+//! apertures, and each ray costs more, since it is weighed by the density of all ways of drawing it. One that
+//! a small aperture lights up in part takes more of them. And where no light is found, more looks are spent
+//! on finding that.
 
 use super::constants::{EXPOSED, MORE_POINTS, POINTS_WITHOUT_APERTURES, SLOT_LOOKS, SLOTS_EXPOSED};
 use super::density::Places;
