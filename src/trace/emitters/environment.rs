@@ -9,16 +9,14 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use crate::scene::{Environment, luminance};
-use crate::trace::sampling::Discrete;
+use crate::trace::sampling::{Discrete, DiscreteTable};
 
 /// Draws directions by a picture's brightness.
 #[derive(Clone, Debug)]
 pub(crate) struct EnvironmentSampler {
     width: usize,
-    /// Chances of rows.
-    rows: Discrete,
-    /// Per row, chances of its texels.
-    columns: Vec<Discrete>,
+    /// Chances of texels.
+    texels: DiscreteTable,
     /// Per row, the cosines with up of its edges.
     edges: Vec<[f64; 2]>,
 }
@@ -41,17 +39,14 @@ impl EnvironmentSampler {
         let edges: Vec<[f64; 2]> = (0..height).map(|row| environment.row(row)).collect();
         let columns: Vec<Discrete> =
             (0..height).map(|j| Discrete::new((0..width).map(|i| mean(i, j)))).collect();
-        let row = |(texels, [high, low]): (&Discrete, &[f64; 2])| texels.total() * (high - low);
-        let rows = Discrete::new(columns.iter().zip(&edges).map(row)).normalised();
-        let columns = columns.into_iter().map(Discrete::normalised).collect();
-        Self { width, rows, columns, edges }
+        let texels = DiscreteTable::new(columns, |row| edges[row][0] - edges[row][1]);
+        Self { width, texels, edges }
     }
 
     /// A direction with density [`EnvironmentSampler::pdf`].
     #[inline]
-    pub fn sample(&self, environment: &Environment, [u, v]: [f64; 2]) -> DVec3 {
-        let (row, v) = self.rows.draw(v);
-        let (column, u) = self.columns[row].draw(u);
+    pub fn sample(&self, environment: &Environment, square: [f64; 2]) -> DVec3 {
+        let ([row, column], [u, v]) = self.texels.draw(square);
         let [high, low] = self.edges[row];
         environment.direction((column as f64 + u) / self.width as f64, high + (low - high) * v)
     }
@@ -64,7 +59,7 @@ impl EnvironmentSampler {
         let column = (place.x as usize).min(self.width - 1);
         let [high, low] = self.edges[row];
         let solid_angle = (high - low) * TAU / self.width as f64;
-        self.rows.weight(row) * self.columns[row].weight(column) / solid_angle
+        self.texels.weight([row, column]) / solid_angle
     }
 }
 

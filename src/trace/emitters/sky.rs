@@ -9,7 +9,8 @@ use super::environment::EnvironmentSampler;
 use crate::scene::{Environment, Sky, SkyKind, SkyShares, triangle};
 use crate::trace::apertures::{ApertureView, Apertures};
 use crate::trace::sampling::{
-    Discrete, SEQUENCE_END, cosine_hemisphere, cosine_hemisphere_pdf, frame_around, uniform_triangle,
+    Discrete, DiscreteTable, SEQUENCE_END, cosine_hemisphere, cosine_hemisphere_pdf, frame_around,
+    uniform_triangle,
 };
 use crate::trace::solid_angle::target;
 
@@ -37,8 +38,8 @@ pub struct SkySampler {
 enum Brightness {
     /// All directions are much alike.
     Even,
-    /// By chances of the rings, and of the parts of each.
-    Cells { rings: Discrete, parts: Vec<Discrete> },
+    /// By chances of the cells.
+    Cells(DiscreteTable),
     /// By a picture.
     Environment(Arc<Environment>, EnvironmentSampler),
 }
@@ -203,10 +204,9 @@ impl SkySampler {
         match &self.brightness {
             Brightness::Even => by_cosine([u, v]),
             _ if u < 0.5 => by_cosine([2.0 * u, v]),
-            Brightness::Cells { rings, parts } => {
-                let (ring, v) = rings.draw(v);
-                let (part, u) = parts[ring].draw(2.0 * u - 1.0);
-                self.frame * in_cell([ring, part], [u, v])
+            Brightness::Cells(cells) => {
+                let (cell, fresh) = cells.draw([2.0 * u - 1.0, v]);
+                self.frame * in_cell(cell, fresh)
             }
             Brightness::Environment(environment, sampler) => sampler.sample(environment, [2.0 * u - 1.0, v]),
         }
@@ -234,9 +234,9 @@ impl SkySampler {
         let by_cosine = cosine_hemisphere_pdf(cosine);
         let by_brightness = match &self.brightness {
             Brightness::Even => return by_cosine,
-            Brightness::Cells { rings, parts } => {
-                let [ring, part] = cell_of(self.frame.transpose() * direction);
-                rings.weight(ring) * parts[ring].weight(part) * (RINGS * PARTS) as f64 / (4.0 * PI)
+            Brightness::Cells(cells) => {
+                let cell = cell_of(self.frame.transpose() * direction);
+                cells.weight(cell) * (RINGS * PARTS) as f64 / (4.0 * PI)
             }
             Brightness::Environment(environment, sampler) => sampler.pdf(environment, direction),
         };
@@ -251,10 +251,8 @@ impl Brightness {
         if cells.iter().copied().fold(0.0, f64::max) * shining as f64 <= PEAKED * sum {
             return Self::Even;
         }
-        let parts: Vec<Discrete> =
-            cells.chunks(PARTS).map(|ring| Discrete::new(ring.iter().copied())).collect();
-        let rings = Discrete::new(parts.iter().map(Discrete::total)).normalised();
-        Self::Cells { rings, parts: parts.into_iter().map(Discrete::normalised).collect() }
+        let rings = cells.chunks(PARTS).map(|ring| Discrete::new(ring.iter().copied()));
+        Self::Cells(DiscreteTable::new(rings.collect(), |_| 1.0))
     }
 }
 

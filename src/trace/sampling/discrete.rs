@@ -66,6 +66,38 @@ impl Discrete {
     }
 }
 
+/// A discrete distribution over the places of a table: a row is drawn by one random number, and a column of
+/// it by another, so that stratified pairs stay stratified.
+#[derive(Clone, Debug)]
+pub struct DiscreteTable {
+    rows: Discrete,
+    columns: Vec<Discrete>,
+}
+
+impl DiscreteTable {
+    /// By the weights of each row's columns, and how much those of each row count.
+    pub fn new(columns: Vec<Discrete>, counts: impl Fn(usize) -> f64) -> Self {
+        let row = |(row, columns): (usize, &Discrete)| columns.total() * counts(row);
+        let rows = Discrete::new(columns.iter().enumerate().map(row)).normalised();
+        Self { rows, columns: columns.into_iter().map(Discrete::normalised).collect() }
+    }
+
+    /// The chance of a place.
+    #[inline]
+    pub fn weight(&self, [row, column]: [usize; 2]) -> f64 {
+        self.rows.weight(row) * self.columns[row].weight(column)
+    }
+
+    /// The row and column on which two random numbers fall, and what is left of them: across the column and
+    /// along the row.
+    #[inline]
+    pub fn draw(&self, [u, v]: [f64; 2]) -> ([usize; 2], [f64; 2]) {
+        let (row, v) = self.rows.draw(v);
+        let (column, u) = self.columns[row].draw(u);
+        ([row, column], [u, v])
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

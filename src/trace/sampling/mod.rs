@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::{DMat3, DVec3};
 
-pub use discrete::Discrete;
+pub use discrete::{Discrete, DiscreteTable};
 pub use streams::Stream;
 
 /// The most points a scrambling has.
