@@ -21,6 +21,12 @@ pub(crate) struct Facet<'t> {
 }
 
 impl<'t> Facet<'t> {
+    /// A triangle of a face's side, corners in the normalised frame.
+    pub fn new(tracer: &'t Tracer, (face, side): (usize, Side), corners: [DVec3; 3]) -> Self {
+        let (normal, face) = (tracer.normal(face, side), face as u32);
+        Self { face, side, corners, normal, coat: tracer.coat_of(face) }
+    }
+
     /// The point that lies where [u, v] in the unit square does, uniform over the triangle.
     #[inline]
     pub fn point(&self, square: [f64; 2]) -> DVec3 {
@@ -74,14 +80,7 @@ impl Patches<'_> {
         let Slot { face, side, cell } = self.slot(slot);
         let on_face = tracer.corners(face);
         let corners = self.cuts.corners(face, cell).map(|corner| triangle::point(on_face, corner));
-        let face_number = face as u32;
-        Facet {
-            face: face_number,
-            side,
-            corners,
-            normal: tracer.normal(face, side),
-            coat: tracer.coat_of(face_number),
-        }
+        Facet::new(tracer, (face, side), corners)
     }
 
     /// n² (1 − Ē) of every slot; nothing at all where all are 1.

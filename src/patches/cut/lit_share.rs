@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::patches::Facet;
 use crate::scene::{Side, triangle};
 use crate::trace::sampling::{Discrete, Stream};
-use crate::trace::{Arrival, Destination, Hit, Interaction, Lamps, Lights, Tint, Tracer, geometry_term};
+use crate::trace::{Arrival, Destination, Hit, Interaction, Lamps, Lights, Tint, Tracer};
 
 /// Sides from which paths start; a number. Chosen, not fitted: the share is known to some 2 %.
 const SIDES: u32 = 512;
@@ -61,14 +61,7 @@ impl Light<'_> {
     /// Whether any path backwards from a side leads to light; `k` is the number of the side among those
     /// drawn.
     fn reaches(&self, k: u32, face: usize, side: Side) -> bool {
-        let face_number = face as u32;
-        let facet = Facet {
-            face: face_number,
-            side,
-            corners: *self.tracer.corners(face),
-            normal: self.tracer.normal(face, side),
-            coat: self.tracer.coat_of(face_number),
-        };
+        let facet = Facet::new(self.tracer, (face, side), *self.tracer.corners(face));
         (0..PATHS).any(|path| self.is_found(k, path, &facet))
     }
 
@@ -111,7 +104,7 @@ impl Light<'_> {
     fn shines_on(&self, here: &Interaction, [u, v, x, y]: [f64; 4]) -> bool {
         let view = self.lamps.view_from(here.point, (&[here.point], here.normal));
         let by_lamp = self.lamps.sample(&view, [u, v]).is_some_and(|to| {
-            geometry_term((here.point, here.normal), (to.point, to.normal)) > 0.0
+            here.geometry_term((to.point, to.normal)) > 0.0
                 && self.tracer.unoccluded((here.point, here.face), (to.point, to.face))
         });
         by_lamp

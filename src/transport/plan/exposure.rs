@@ -116,8 +116,7 @@ impl<'a> Places<'a, '_> {
             let point = triangle::point(&stretch.corners, uniform_triangle([s, t]));
             let scale = stretch.cells.sqrt().recip();
             let corners = stretch.corners.map(|corner| point + scale * (corner - point));
-            let (face, normal) = (stretch.face as u32, self.tracer().normal(stretch.face, side));
-            Facet { face, side, corners, normal, coat: self.tracer().coat_of(face) }
+            Facet::new(self.tracer(), (stretch.face, side), corners)
         })
     }
 }
