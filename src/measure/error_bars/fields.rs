@@ -11,7 +11,7 @@ use crate::measure::MeasureError;
 use crate::patches::Patches;
 use crate::progress::Progress;
 use crate::solve::{Problem, Solution, roughly};
-use crate::transport::{FormFactors, Reflection, Transport, variance_of_mean};
+use crate::transport::{Reflection, Transport, variance_of_mean};
 
 /// What each source of error does to irradiance, W·m⁻²: a row per patch, or per face and side, and a column
 /// per channel.
@@ -53,13 +53,14 @@ impl Fields {
         let arriving = if order == Some(0) { 0.0 * &radiance } else { radiance.clone() };
         let Noise { rays, lamps } = Noise::of(patches, factors, by_patch, sources, &arriving)?;
         progress.at("solve", 0.5)?;
+        let k = Transport::new(by_patch, Reflection::of(patches))?;
         let known = Known { radiance: &radiance, irradiance: &irradiance, order };
         let MeshError { by_merging, by_variation: variation, insight } =
-            mesh_error(patches, [factors, by_patch], sources, &known)?;
+            mesh_error(patches, (factors, &k), sources, &known)?;
         let merging = insight.remains(1.0) * by_merging;
         let unresolved = unresolved(patches, by_patch, &arriving);
-        let missing = slack::missing(patches, by_patch, [&radiance, &irradiance])?;
-        let rounding = rounding(patches, by_patch, &radiance, report.condition)?;
+        let missing = slack::missing(patches, &k, [&radiance, &irradiance])?;
+        let rounding = rounding(&k, &radiance, report.condition)?;
         Ok((Self { rays, lamps, merging, variation, unresolved, missing, rounding }, insight))
     }
 
@@ -121,16 +122,14 @@ impl Fields {
 /// Where next to nothing absorbs the condition is large, but often little light is there; none where it is
 /// small.
 fn rounding(
-    patches: &Patches,
-    by_patch: &FormFactors,
+    k: &Transport,
     radiance: &DMatrix<f64>,
     condition: f64,
 ) -> Result<Option<DMatrix<f64>>, MeasureError> {
     if ROUNDING * condition < NOTICEABLE {
         return Ok(None);
     }
-    let k = Transport::new(by_patch, Reflection::of(patches))?;
     let arriving = k.irradiance(radiance);
-    let reflected = roughly(&k, &k.reflect(&arriving), CHANGE_TOLERANCE, Progress::default())?;
+    let reflected = roughly(k, &k.reflect(&arriving), CHANGE_TOLERANCE, Progress::default())?;
     Ok(Some(ROUNDING * (arriving + k.irradiance(&reflected))))
 }

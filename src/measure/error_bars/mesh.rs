@@ -94,11 +94,11 @@ pub(super) struct Known<'a> {
     pub order: Option<usize>,
 }
 
-/// How far irradiance may be off by the size of patches. `by_patch` are the form factors with constant
-/// elements.
+/// How far irradiance may be off by the size of patches. `k` is of constant elements, `factors` of the
+/// answer's.
 pub(super) fn mesh_error(
     patches: &Patches,
-    [factors, by_patch]: [&FormFactors; 2],
+    (factors, k): (&FormFactors, &Transport),
     sources: &Sources,
     known: &Known,
 ) -> Result<MeshError, MeasureError> {
@@ -106,8 +106,8 @@ pub(super) fn mesh_error(
     let &Known { radiance, irradiance, order } = known;
     let light: Vec<f64> = irradiance.row_iter().map(|row| row.sum()).collect();
     let clusters = patches.clusters(together(basis), Some(&light));
-    let merged_factors = by_patch.merged(&clusters.of_patch, clusters.count);
-    let k = Transport::new(&merged_factors, Reflection::of(patches).merged(patches, &clusters))?;
+    let merged_factors = k.factors().merged(&clusters.of_patch, clusters.count);
+    let coarse_k = Transport::new(&merged_factors, Reflection::of(patches).merged(patches, &clusters))?;
     let by_cluster = |field: &DMatrix<f64>| patches.average_by(&clusters, &basis.means(field));
     let coarse = Sources {
         emitted: by_cluster(&sources.emitted),
@@ -117,11 +117,11 @@ pub(super) fn mesh_error(
         carried: None,
         lamps: None,
     };
-    let change = changed_by(patches, &clusters, &k, &coarse, known)?;
+    let change = changed_by(patches, &clusters, &coarse_k, &coarse, known)?;
     // What light that varies sends elsewhere has arrived from order 2 on.
     let by_variation = match basis {
         Basis::Constant if order.is_none_or(|order| order > 1) => {
-            varied(patches, &clusters, (factors, &k), radiance)?
+            varied(patches, &clusters, (factors, &coarse_k), radiance)?
         }
         _ => [0; 2].map(|_| DMatrix::zeros(radiance.nrows(), radiance.ncols())),
     };
@@ -130,8 +130,7 @@ pub(super) fn mesh_error(
         Insight { basis, merged, is_focused: factors.has_caustics() && has_curved_carriers(patches) };
     let mut by_merging = patches.spread_over(&clusters, &change);
     if order != Some(0) {
-        by_merging +=
-            within(patches, &clusters, &Transport::new(by_patch, Reflection::of(patches))?, radiance);
+        by_merging += within(patches, &clusters, k, radiance);
     }
     Ok(MeshError { by_merging, by_variation, insight })
 }

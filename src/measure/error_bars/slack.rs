@@ -12,7 +12,7 @@ use crate::measure::MeasureError;
 use crate::patches::Patches;
 use crate::progress::Progress;
 use crate::solve::roughly;
-use crate::transport::{FormFactors, Reflection, Transport};
+use crate::transport::Transport;
 
 /// What the error by slack does not exceed where it is estimated so large: where the missing light lies is
 /// not known.
@@ -20,20 +20,20 @@ pub(in crate::measure) fn at_most(estimated: f64) -> f64 {
     SLACK_AT_MOST * estimated
 }
 
-/// The irradiance per patch (n × c, W·m⁻²) that may be missing; `None` where rows close. `by_patch` are the
-/// form factors with constant elements, radiance and irradiance means over patches. Rows that see nothing may
-/// miss the scene's root mean square irradiance.
+/// The irradiance per patch (n × c, W·m⁻²) that may be missing; `None` where rows close. `k` is of
+/// constant elements, radiance and irradiance are means over patches. Rows that see nothing may miss the
+/// scene's root mean square irradiance.
 pub(super) fn missing(
     patches: &Patches,
-    by_patch: &FormFactors,
+    k: &Transport,
     [radiance, irradiance]: [&DMatrix<f64>; 2],
 ) -> Result<Option<DMatrix<f64>>, MeasureError> {
     let lacks =
         |exchange: &crate::transport::Exchange| exchange.ends().slack.sum() > CLOSED * exchange.sums().sum();
+    let by_patch = k.factors();
     if !by_patch.exchanges().iter().any(lacks) {
         return Ok(None);
     }
-    let k = Transport::new(by_patch, Reflection::of(patches))?;
     let share = |i: usize, c: usize| {
         let exchange = by_patch.exchange_of(c);
         exchange.ends().slack[i] / exchange.sums()[i]
@@ -52,6 +52,6 @@ pub(super) fn missing(
     let blind =
         DMatrix::from_fn(n, channels, |i, c| if share(i, c) < 1.0 - SEES_NOTHING { 0.0 } else { typical[c] });
     let direct = t.component_mul(&k.irradiance(radiance)) + k.irradiance(&t.component_mul(radiance)) + blind;
-    let reflected = roughly(&k, &k.reflect(&direct), CHANGE_TOLERANCE, Progress::default())?;
+    let reflected = roughly(k, &k.reflect(&direct), CHANGE_TOLERANCE, Progress::default())?;
     Ok(Some(direct + k.irradiance(&reflected)))
 }
