@@ -8,30 +8,18 @@
 //! creases, materials and the two sides of a sheet nothing is mixed, nor where something stands between: of a
 //! floor, what is in a room, under its wall and in the next room.
 
-use std::collections::HashMap;
-use std::f64::consts::PI;
+mod corners;
+mod meeting;
 
 use glam::{DMat2, DVec2, DVec3};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::patches::{Barycentrics, Basis, Patches, Slot};
-use crate::scene::{FaceState, Side, triangle};
+use crate::patches::{Barycentrics, Basis, Patches};
+use crate::scene::triangle;
 use crate::trace::Tracer;
-
-/// Corners are the same point if nearer than this share of their patch's shortest leg ...
-const SAME_OF_LEG: f64 = 1e-3;
-
-/// ... and nearer than this, normalised lengths.
-const SAME: f64 = 1e-6;
-
-/// Cosine of the angle between normals at which a surface has a crease: 30°.
-const CREASE: f64 = 0.866;
-
-/// Whether something stands between patches that meet is told a little within either and as far above it, as
-/// a part of the way to its centre; a ratio. Chosen: over all bends that are no creases, and below what
-/// stands on a floor.
-const INWARDS: f64 = 0.02;
+use corners::{Corner, corners};
+use meeting::for_each_point;
 
 /// A field over patches, continuous within each smooth surface.
 #[derive(Clone, Debug)]
@@ -47,39 +35,6 @@ pub struct SmoothField {
     weights: Vec<(DVec2, DMat2)>,
 }
 
-/// A corner of one patch, or a place on the patch's edge that is a corner of others.
-#[derive(Clone, Copy)]
-struct Corner {
-    patch: u32,
-    /// Which of its corners; none for a place on its edge.
-    number: Option<u8>,
-    /// The place within the patch: weights of its second and third corner.
-    within: Barycentrics,
-    position: DVec3,
-    normal: DVec3,
-    /// Corners of different surfaces are never mixed: material, and whether it emits.
-    surface: u32,
-    /// Angle of the patch at this place, radians.
-    angle: f64,
-    /// Farther away than this is another point.
-    same: f64,
-}
-
-impl Corner {
-    /// What the patch's own field is here, in channel `c`.
-    fn value(&self, basis: Basis, field: &DMatrix<f64>, c: usize) -> f64 {
-        let patch = self.patch as usize;
-        match basis {
-            Basis::Constant => field[(patch, c)],
-            Basis::Linear => {
-                let at = |k: usize| field[(3 * patch + k, c)];
-                let [u, v, w] = triangle::weights(self.within);
-                at(0) * u + at(1) * v + at(2) * w
-            }
-        }
-    }
-}
-
 impl SmoothField {
     /// Averages `field` (N × c, N = n or 3n) to the corners of the patches.
     ///
@@ -87,10 +42,7 @@ impl SmoothField {
     /// If `field` has neither n nor 3n rows.
     pub fn new(tracer: &Tracer, patches: &Patches, field: &DMatrix<f64>) -> Self {
         let basis = Basis::of(patches, field);
-        let mut corners: Vec<Corner> =
-            (0..patches.len()).into_par_iter().flat_map_iter(|i| corners_of(tracer, patches, i)).collect();
-        corners.extend(corners_on_edges(tracer, patches));
-        corners.extend((0..patches.len()).flat_map(|i| places_beside(tracer, patches, i)));
+        let corners = corners(tracer, patches);
         let mut smooth = Self {
             channels: field.ncols(),
             corners: vec![[0; 3]; patches.len()],
@@ -98,10 +50,8 @@ impl SmoothField {
             values: Vec::new(),
             weights: (0..patches.len()).into_par_iter().map(|i| to_weights(patches.corners(i))).collect(),
         };
-        for_each_surface_point(&corners, |members| {
-            for_each_open(tracer, patches, &corners, members, |members| {
-                smooth.add_point(&corners, members, (basis, field));
-            });
+        for_each_point(tracer, patches, &corners, |members| {
+            smooth.add_point(&corners, members, (basis, field));
         });
         smooth
     }
@@ -171,242 +121,12 @@ fn to_weights(corners: [Barycentrics; 3]) -> (DVec2, DMat2) {
     (a, DMat2::from_cols(b - a, c - a).inverse())
 }
 
-fn corners_of(tracer: &Tracer, patches: &Patches, patch: usize) -> [Corner; 3] {
-    let Slot { face, side, .. } = patches.place(patch);
-    let on_face = patches.corners(patch);
-    let at = on_face.map(|corner| triangle::point(tracer.corners(face), corner));
-    let leg = |k: usize| at[(k + 1) % 3] - at[k];
-    let shortest = leg(0).length().min(leg(1).length()).min(leg(2).length());
-    [0, 1, 2].map(|k| Corner {
-        patch: patch as u32,
-        number: Some(k as u8),
-        within: [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][k],
-        position: at[k],
-        normal: shading_normal(tracer, face, side, on_face[k]),
-        surface: surface(tracer, face, side),
-        angle: leg(k).angle_between(-leg((k + 2) % 3)).max(1e-9),
-        same: SAME.min(SAME_OF_LEG * shortest),
-    })
-}
-
-/// Where a patch's corners lie on the rim of patches of the same face that are cut otherwise: those patches.
-fn places_beside<'a>(
-    tracer: &'a Tracer,
-    patches: &'a Patches,
-    patch: usize,
-) -> impl Iterator<Item = Corner> + 'a {
-    let Slot { face, side, .. } = patches.place(patch);
-    let several = patches.pieces(face) > 1;
-    let corners = several.then(|| corners_of(tracer, patches, patch).into_iter().zip(patches.corners(patch)));
-    corners.into_iter().flatten().flat_map(move |(corner, point)| {
-        patches.patches_meeting(face, side, point).into_iter().filter(move |&other| other != patch).map(
-            move |other| {
-                let within = patches.weights_in(patches.slot_of_patch(other), point);
-                Corner { patch: other as u32, number: None, within, angle: PI, ..corner }
-            },
-        )
-    })
-}
-
-/// A number for what the side of a face is made of.
-fn surface(tracer: &Tracer, face: usize, side: Side) -> u32 {
-    let emits = side == Side::Front && tracer.scene().material_of(face).emits();
-    2 * tracer.scene().faces()[face].material + u32::from(emits)
-}
-
-/// The ends of an edge, the same for every face that has it: the bits of their coordinates, in ascending
-/// order.
-type Edge = [[u64; 3]; 2];
-
-/// A face's edge `k`, from corner k to the next.
-fn edge_of(tracer: &Tracer, face: usize, k: usize) -> Edge {
-    let corners = tracer.corners(face);
-    // Adding zero makes -0.0 and 0.0 the same place.
-    let mut ends = [k, (k + 1) % 3].map(|k| (corners[k] + DVec3::ZERO).to_array().map(f64::to_bits));
-    ends.sort_unstable();
-    ends
-}
-
-/// Where corners of patches lie within an edge of their face: the patches of the other faces with that edge.
-fn corners_on_edges(tracer: &Tracer, patches: &Patches) -> Vec<Corner> {
-    // Collect the places, by edge.
-    let mut places: HashMap<Edge, Vec<(usize, DVec3, f64)>> = HashMap::new();
-    let faces = tracer.scene().faces().len();
-    let cut = |&face: &usize| Side::BOTH.iter().any(|&side| patches.patches_of(face, side).len() > 1);
-    for face in (0..faces).filter(cut) {
-        for patch in Side::BOTH.into_iter().flat_map(|side| patches.patches_of(face, side)) {
-            for (corner, at) in corners_of(tracer, patches, patch).into_iter().zip(patches.corners(patch)) {
-                let weights = triangle::weights(at).map(|w| w > 1e-9);
-                // Edge k faces corner k + 2.
-                if let Some(k) = (0..3).find(|&k| weights[k] && weights[(k + 1) % 3] && !weights[(k + 2) % 3])
-                {
-                    let place = (face, corner.position, corner.same);
-                    places.entry(edge_of(tracer, face, k)).or_default().push(place);
-                }
-            }
-        }
-    }
-    if places.is_empty() {
-        return Vec::new();
-    }
-    // Find the other faces' patches there.
-    let kept = (0..faces).filter(|&face| tracer.scene().faces()[face].state == FaceState::Kept);
-    let edges = kept.flat_map(|face| [0, 1, 2].map(|k| (face, k)));
-    let met = edges.filter_map(|(face, k)| Some((face, k, places.get(&edge_of(tracer, face, k))?)));
-    met.flat_map(|(face, k, places)| {
-        let others = places.iter().filter(move |place| place.0 != face);
-        others.flat_map(move |&(_, position, same)| {
-            on_edge(tracer, patches, EdgePlace { face, edge: k, position, same })
-        })
-    })
-    .collect()
-}
-
-/// A place on an edge of a face.
-struct EdgePlace {
-    face: usize,
-    /// From 0; edge k leads from corner k to the next.
-    edge: usize,
-    position: DVec3,
-    same: f64,
-}
-
-/// The patches, front and back, at a place on a face's edge.
-fn on_edge<'a>(
-    tracer: &'a Tracer,
-    patches: &'a Patches,
-    EdgePlace { face, edge: k, position, same }: EdgePlace,
-) -> impl Iterator<Item = Corner> + 'a {
-    let corners = tracer.corners(face);
-    let [start, end] = [corners[k], corners[(k + 1) % 3]];
-    let along = (position - start).dot(end - start) / (end - start).length_squared();
-    let mut weights = [0.0; 3];
-    weights[k] = 1.0 - along;
-    weights[(k + 1) % 3] = along;
-    let point = [weights[1], weights[2]];
-    Side::BOTH.into_iter().filter_map(move |side| {
-        let patch = patches.patch_at(face, side, point)?;
-        let within = patches.weights_in(patches.slot_of_patch(patch), point);
-        Some(Corner {
-            patch: patch as u32,
-            number: None,
-            within,
-            position,
-            normal: shading_normal(tracer, face, side, point),
-            surface: surface(tracer, face, side),
-            angle: PI,
-            same,
-        })
-    })
-}
-
-/// The interpolated `vn` of a face's side where it has them and they make sense, else the facet's normal.
-fn shading_normal(tracer: &Tracer, face: usize, side: Side, at: Barycentrics) -> DVec3 {
-    let flat = tracer.normal(face, Side::Front);
-    let scene = tracer.scene();
-    let given = scene.faces()[face].normals.map(|n| n.map(|n| scene.normals()[n as usize]));
-    let [u, v, w] = triangle::weights(at);
-    let shading = given.map_or(flat, |[a, b, c]| (a * u + b * v + c * w).normalize_or_zero());
-    let normal = if shading.dot(flat) > 0.0 { shading } else { flat };
-    if side == Side::Back { -normal } else { normal }
-}
-
-/// Calls `found` with each set of corners that share a place and a smooth surface, always in the same order.
-fn for_each_surface_point(corners: &[Corner], mut found: impl FnMut(&mut Vec<u32>)) {
-    // Sort along a line that no common mesh is aligned with: corners of one place are then near one another.
-    let along = DVec3::new(0.634_087, 0.577_919, 0.513_846).normalize();
-    let mut order: Vec<(f64, u32)> =
-        corners.par_iter().enumerate().map(|(k, corner)| (corner.position.dot(along), k as u32)).collect();
-    order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let mut taken = vec![false; order.len()];
-    let mut place = Vec::new();
-    for first in 0..order.len() {
-        if taken[first] {
-            continue;
-        }
-        let leader = &corners[order[first].1 as usize];
-        place.clear();
-        for k in first..order.len() {
-            let (height, corner) = order[k];
-            if height > order[first].0 + leader.same {
-                break;
-            }
-            if !taken[k] && corners[corner as usize].position.distance(leader.position) <= leader.same {
-                taken[k] = true;
-                place.push(corner);
-            }
-        }
-        split_by_surface(corners, &mut place, &mut found);
-    }
-}
-
-/// Splits the corners at one place into smooth surfaces: chains of corners without a crease between links.
-fn split_by_surface(corners: &[Corner], place: &mut [u32], found: &mut impl FnMut(&mut Vec<u32>)) {
-    let smooth = |a: u32, b: u32| {
-        let (a, b) = (&corners[a as usize], &corners[b as usize]);
-        a.surface == b.surface && a.normal.dot(b.normal) >= CREASE
-    };
-    for_each_chain(place, smooth, found);
-}
-
-/// Splits corners into chains of those that belong together, link by link.
-fn for_each_chain(
-    mut rest: &mut [u32],
-    together: impl Fn(u32, u32) -> bool,
-    mut found: impl FnMut(&mut Vec<u32>),
-) {
-    while !rest.is_empty() {
-        // Grow the chain at the front of the slice until no corner of the rest joins it.
-        let (mut start, mut end) = (0, 1);
-        while start < end && end < rest.len() {
-            let first_left = end;
-            for k in first_left..rest.len() {
-                if together(rest[start], rest[k]) {
-                    rest.swap(end, k);
-                    end += 1;
-                }
-            }
-            start += 1;
-        }
-        let (chain, others) = rest.split_at_mut(end);
-        found(&mut chain.to_vec());
-        rest = others;
-    }
-}
-
-/// Splits corners of a smooth surface at one place into those between which nothing stands.
-fn for_each_open(
-    tracer: &Tracer,
-    patches: &Patches,
-    corners: &[Corner],
-    members: &mut Vec<u32>,
-    mut found: impl FnMut(&mut Vec<u32>),
-) {
-    let face_of = |member: u32| patches.place(corners[member as usize].patch as usize).face;
-    let first = face_of(members[0]);
-    if patches.pieces(first) == 1 && members.iter().all(|&member| face_of(member) == first) {
-        return found(members);
-    }
-    let above = |member: u32| {
-        let corner = &corners[member as usize];
-        let Slot { face, side, .. } = patches.place(corner.patch as usize);
-        let [a, b, c] = patches.corners(corner.patch as usize).map(DVec2::from);
-        let centre = triangle::point(tracer.corners(face), ((a + b + c) / 3.0).into());
-        let inwards = INWARDS * (centre - corner.position);
-        (corner.position + inwards + tracer.normal(face, side) * inwards.length(), face as u32)
-    };
-    let is_open = |a: u32, b: u32| {
-        corners[a as usize].patch == corners[b as usize].patch || tracer.unoccluded(above(a), above(b))
-    };
-    for_each_chain(members, is_open, found);
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::test_scenes::{cut, quad, room, triangles};
     use super::*;
     use crate::patches::Reach;
-    use crate::scene::{Face, Material, Scene, SceneParts};
+    use crate::scene::{Face, FaceState, Material, Scene, SceneParts};
 
     const CENTRE: Barycentrics = [1.0 / 3.0; 2];
 
