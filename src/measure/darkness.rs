@@ -6,6 +6,7 @@
 
 use nalgebra::DMatrix;
 
+use super::words::few;
 use crate::patches::Patches;
 use crate::transport::Received;
 
@@ -56,15 +57,15 @@ pub fn unlit_points(received: &Received) -> Option<String> {
     let lit = lit_points(received);
     let unlit: Vec<String> =
         lit.iter().enumerate().filter(|(_, is_lit)| !**is_lit).map(|(point, _)| point.to_string()).collect();
-    let which = match unlit.len() {
-        0 => return None,
-        few if few <= MOST_NAMED => unlit.join(", "),
-        many => format!("{} and {} more", unlit[..MOST_NAMED].join(", "), many - MOST_NAMED),
+    let say = || {
+        format!(
+            "receiver {}: {} of its {} points get no light, as if within a solid, and count in no mean, minimum or \
+             uniformity: {}",
+            received.receiver.name,
+            unlit.len(),
+            lit.len(),
+            few(&unlit, MOST_NAMED)
+        )
     };
-    Some(format!(
-        "receiver {}: {} of its {} points get no light, as if within a solid, and count in no mean, minimum or uniformity: {which}",
-        received.receiver.name,
-        unlit.len(),
-        lit.len(),
-    ))
+    (!unlit.is_empty()).then(say)
 }

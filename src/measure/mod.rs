@@ -13,6 +13,7 @@ mod health;
 mod study;
 mod undershoot;
 mod verdict;
+mod words;
 
 use crate::patches::PatchError;
 use crate::progress::Cancelled;

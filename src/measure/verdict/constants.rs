@@ -40,3 +40,6 @@ pub(super) const NOTABLE: f64 = 1e-3;
 /// A row that lacks more than this part of its area has neither exchange nor escape; a pure number. 1 but for
 /// rounding.
 pub(super) const EMPTY: f64 = 1.0 - 1e-9;
+
+/// Faces and objects that are named one by one, at most; a number.
+pub(super) const FEW: usize = 3;

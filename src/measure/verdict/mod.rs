@@ -19,12 +19,13 @@ mod rows;
 
 use serde::Serialize;
 
+use super::words::few;
 use super::{Energy, ErrorBudget, GroupError};
 use crate::patches::Patches;
 use crate::scene::Scene;
 use crate::solve::{Problem, Solution};
 use crate::trace::Tracer;
-use constants::{BAD, EXACT, TOLERANCES, WIDE};
+use constants::{BAD, EXACT, FEW, TOLERANCES, WIDE};
 
 /// How far an answer can be relied on; the later, the less.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -194,10 +195,10 @@ impl std::fmt::Display for Reason {
         if !numbers.is_empty() {
             let noun = if numbers.len() == 1 { "face" } else { "faces" };
             let comma = if self.power_share.is_some() { "," } else { ":" };
-            write!(f, "{comma} at {noun} {}", places::few(&numbers))?;
+            write!(f, "{comma} at {noun} {}", few(&numbers, FEW))?;
         }
         if !self.objects.is_empty() {
-            write!(f, " of {}", places::few(&self.objects))?;
+            write!(f, " of {}", few(&self.objects, FEW))?;
         }
         write!(f, "; {}", self.remedy)
     }

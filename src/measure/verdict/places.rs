@@ -73,16 +73,6 @@ pub(super) fn power(
     places
 }
 
-/// The first few names of a list: `a, b, c and 12 more`.
-pub(super) fn few(names: &[String]) -> String {
-    const FEW: usize = 3;
-    match names {
-        [one] => one.clone(),
-        [rest @ .., last] if names.len() <= FEW => format!("{} and {last}", rest.join(", ")),
-        _ => format!("{} and {} more", names[..FEW].join(", "), names.len() - FEW),
-    }
-}
-
 /// A share with two digits.
 pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
