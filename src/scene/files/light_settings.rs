@@ -498,8 +498,8 @@ fn one_of(amounts: &[Amount], colour: Option<&Colour>, efficacy: f64) -> Result<
 
 /// What is wrong with a number that a key gives, if it gives one.
 fn check_amount(key: &str, amount: Option<f64>) -> Result<(), String> {
-    let numbers: Vec<f64> = amount.into_iter().collect();
-    check_power(&numbers, numbers.len()).map_err(|message| format!("{key} {message}"))
+    let numbers = amount.as_slice();
+    check_power(numbers, numbers.len()).map_err(|message| format!("{key} {message}"))
 }
 
 /// What is wrong with what a sound number comes to, per channel.

@@ -11,7 +11,7 @@ use super::beside::Beside;
 use super::colour::Colour;
 use super::light_settings::{LightSettings, SkySettings, World};
 use super::list::{List, Vector};
-use super::settings_line::{key_at, line_of};
+use super::settings_line::{key_at, line_at, line_of};
 use super::settings_shape;
 use super::settings_words::in_words;
 use crate::scene::material::Sheet;
@@ -209,7 +209,7 @@ struct SettingsFile<'a> {
 impl SettingsFile<'_> {
     fn read(&self) -> Result<Settings, SceneError> {
         settings_shape::check(self.text).map_err(|(start, message)| {
-            let line = 1 + self.text.bytes().take(start).filter(|&byte| byte == b'\n').count();
+            let line = line_at(self.text, start);
             let message = match message.as_str() {
                 "duplicate key" => in_words(&message, key_at(self.text, line)) + "; keep one",
                 _ => message,

@@ -1,6 +1,11 @@
 //! Which line of a settings file a message is about: its reader knows the line of a table's head, where its
 //! author looks for the key.
 
+/// The line, from 1, on which a byte of a text lies.
+pub(crate) fn line_at(text: &str, byte: usize) -> usize {
+    1 + text.bytes().take(byte).filter(|&byte| byte == b'\n').count()
+}
+
 /// The line, from 1, of what a message says of the table or key that begins at byte `start`. `refusal` is
 /// what the reader says of a text, if it refuses it.
 pub(crate) fn line_of(
@@ -9,7 +14,7 @@ pub(crate) fn line_of(
     message: &str,
     refusal: impl Fn(&str) -> Option<String>,
 ) -> usize {
-    let head = text.bytes().take(start).filter(|&byte| byte == b'\n').count();
+    let head = line_at(text, start) - 1;
     let lines: Vec<&str> = text.lines().collect();
     let is_head = |line: &&str| line.trim_start().starts_with('[');
     if !lines.get(head).is_some_and(is_head) || message.starts_with("missing field") {

@@ -68,7 +68,7 @@ fn check_entry(key: &str, value: &Spanned<DeValue>) -> Result<(), Wrong> {
 fn no_table(value: &DeValue, head: &str) -> String {
     format!(
         "{} stands where a table should; write {head} on a line of its own, and its keys below it",
-        spelled(value)
+        as_written(value)
     )
 }
 
@@ -78,7 +78,7 @@ fn check_kind(key: &str, whole: &Spanned<DeValue>, table: &DeTable) -> Result<()
     let given = |name: &str| table.iter().find(|(key, _)| key.get_ref() == name).map(|(_, value)| value);
     let (at, message) = match (given("kind"), given("type")) {
         (Some(kind), _) if kind.get_ref().as_str().is_some_and(|kind| kinds.contains(&kind)) => return Ok(()),
-        (Some(kind), _) => (kind, format!("kind = {} is none of {all}", spelled(kind.get_ref()))),
+        (Some(kind), _) => (kind, format!("kind = {} is none of {all}", as_written(kind.get_ref()))),
         (None, Some(word)) if word.get_ref().is_str() => {
             (word, format!("write kind in place of type, one of {all}"))
         }
@@ -89,7 +89,7 @@ fn check_kind(key: &str, whole: &Spanned<DeValue>, table: &DeTable) -> Result<()
 }
 
 /// A value as it stands in the file, or what it is where that is long.
-fn spelled(value: &DeValue) -> String {
+fn as_written(value: &DeValue) -> String {
     match value {
         DeValue::String(text) => format!("{text:?}"),
         DeValue::Integer(number) => number.as_str().to_owned(),
