@@ -108,11 +108,23 @@ impl SceneArgs {
 #[command(next_help_heading = "Accuracy")]
 pub struct AccuracyArgs {
     /// About how many patches (unknowns) to cut into
-    #[arg(long, value_name = "N", default_value_t = 8000, allow_negative_numbers = true, value_parser = values::positive)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 8000,
+        allow_negative_numbers = true,
+        value_parser = values::positive,
+    )]
     patches: usize,
 
     /// Longest leg of a patch, metres; instead of --patches
-    #[arg(long, value_name = "METRES", conflicts_with = "patches", allow_negative_numbers = true, value_parser = values::positive_length)]
+    #[arg(
+        long,
+        value_name = "METRES",
+        conflicts_with = "patches",
+        allow_negative_numbers = true,
+        value_parser = values::positive_length,
+    )]
     edge: Option<f64>,
 
     /// Rays per patch [default: 512; from 16384 patches on fewer, but at least 64]
@@ -201,14 +213,26 @@ pub struct SolverArgs {
     solver: SolverArg,
 
     /// Highest order of the Neumann series
-    #[arg(long, value_name = "K", default_value_t = 1000, allow_negative_numbers = true, value_parser = values::whole::<usize>)]
+    #[arg(
+        long,
+        value_name = "K",
+        default_value_t = 1000,
+        allow_negative_numbers = true,
+        value_parser = values::whole::<usize>,
+    )]
     pub order: usize,
 
     /// Part of the flux, and of the irradiance, that may be missing when iterations stop: the flux still on
     /// its way is at most T of what is emitted, and no irradiance is off by more than T of the root mean
     /// square over all surfaces, nor by more than 10 T of its own (of a thousandth of that mean, where it is
     /// darker). 0 runs the series up to --order, and conjugate gradients as far as rounding allows
-    #[arg(long, value_name = "T", default_value = "1e-6", allow_negative_numbers = true, value_parser = values::tolerance)]
+    #[arg(
+        long,
+        value_name = "T",
+        default_value = "1e-6",
+        allow_negative_numbers = true,
+        value_parser = values::tolerance,
+    )]
     pub tolerance: f64,
 }
 
@@ -257,7 +281,13 @@ impl SolverArgs {
 #[command(next_help_heading = "Run")]
 pub struct RunArgs {
     /// Number of the random sequences; the same seed gives the same bits
-    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true, value_parser = values::whole::<u64>)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 0,
+        allow_negative_numbers = true,
+        value_parser = values::whole::<u64>,
+    )]
     pub seed: u64,
 
     /// Threads [default: one per core]
@@ -265,7 +295,13 @@ pub struct RunArgs {
     threads: Option<usize>,
 
     /// Memory that patches, the operator and the factors of the direct solver may each take
-    #[arg(long, value_name = "SIZE", default_value = "4GiB", allow_hyphen_values = true, value_parser = values::memory)]
+    #[arg(
+        long,
+        value_name = "SIZE",
+        default_value = "4GiB",
+        allow_hyphen_values = true,
+        value_parser = values::memory,
+    )]
     pub memory: u64,
 
     /// Print nothing but errors

@@ -63,11 +63,23 @@ struct ReferenceArgs {
     paths: Option<usize>,
 
     /// Width and height of each picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "400x300", allow_hyphen_values = true, value_parser = values::size)]
+    #[arg(
+        long,
+        value_name = "WxH",
+        default_value = "400x300",
+        allow_hyphen_values = true,
+        value_parser = values::size,
+    )]
     size: (usize, usize),
 
     /// Paths per pixel of the reference picture; best a power of two
-    #[arg(long, value_name = "N", default_value_t = 64, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 64,
+        allow_negative_numbers = true,
+        value_parser = clap::value_parser!(u32).range(1..=1 << 20),
+    )]
     samples: u32,
 }
 

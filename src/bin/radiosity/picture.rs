@@ -39,7 +39,13 @@ pub fn warn_if_black(picture: &Picture, most: f64, terminal: &Terminal) {
 #[command(next_help_heading = "Picture")]
 pub struct PictureArgs {
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", default_value = "800x600", allow_hyphen_values = true, value_parser = values::size)]
+    #[arg(
+        long,
+        value_name = "WxH",
+        default_value = "800x600",
+        allow_hyphen_values = true,
+        value_parser = values::size,
+    )]
     size: (usize, usize),
 
     /// How radiance is found at a point
@@ -47,7 +53,13 @@ pub struct PictureArgs {
     shading: ShadingArg,
 
     /// Random samples per pixel, for --shading gather and path; best a power of two
-    #[arg(long, value_name = "N", default_value_t = 64, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 64,
+        allow_negative_numbers = true,
+        value_parser = clap::value_parser!(u32).range(1..=1 << 20),
+    )]
     samples: u32,
 
     /// Draw the edges of patches

@@ -91,7 +91,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<(), Failure> {
     }
     terminal.say(format_args!("  {:<20} {}", "all, held at once", cost(total)))?;
     terminal.say(format_args!(
-        "\nPredicted for {} threads of a machine like the one this was fitted on (AMD EPYC), by a few rays from here and there; else nothing was traced.",
+        "\nPredicted for {} threads of a machine like the one this was fitted on (AMD EPYC), by a few rays from \
+         here and there; else nothing was traced.",
         forecast.threads
     ))
 }

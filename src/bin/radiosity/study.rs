@@ -30,19 +30,49 @@ pub struct Args {
     scene: SceneArgs,
 
     /// Time for all of it, as 90s, 5min or 1h; settings that do not fit are left out
-    #[arg(long, value_name = "TIME", default_value = "90s", allow_hyphen_values = true, value_parser = values::duration, help_heading = "Study")]
+    #[arg(
+        long,
+        value_name = "TIME",
+        default_value = "90s",
+        allow_hyphen_values = true,
+        value_parser = values::duration,
+        help_heading = "Study",
+    )]
     time: Duration,
 
     /// Noise of the reference that is small enough, relative
-    #[arg(long, value_name = "SHARE", default_value = "0.05%", allow_hyphen_values = true, value_parser = values::share, help_heading = "Study")]
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value = "0.05%",
+        allow_hyphen_values = true,
+        value_parser = values::share,
+        help_heading = "Study",
+    )]
     noise: f64,
 
     /// Numbers of patches to try, with --rays [default: three or more, chosen for the scene and --time]
-    #[arg(long, value_name = "N,N,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = values::positive, requires = "rays", help_heading = "Study")]
+    #[arg(
+        long,
+        value_name = "N,N,…",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        value_parser = values::positive,
+        requires = "rays",
+        help_heading = "Study",
+    )]
     patches: Vec<usize>,
 
     /// Rays per patch to try, with --patches
-    #[arg(long, value_name = "N,N,…", value_delimiter = ',', allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(8..), requires = "patches", help_heading = "Study")]
+    #[arg(
+        long,
+        value_name = "N,N,…",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        value_parser = clap::value_parser!(u32).range(8..),
+        requires = "patches",
+        help_heading = "Study",
+    )]
     rays: Vec<u32>,
 
     /// How light varies over a patch
